@@ -1,0 +1,26 @@
+#pragma once
+
+#include "glenoid/limits.hpp"
+#include "glenoid/rhythm.hpp"
+#include "glenoid/subject.hpp"
+
+namespace glenoid {
+
+/// Constant description of one arm: segments, rhythm, limits and the metric built from them.
+///
+/// The kinetic energy of the arm is exactly 1/2 trace(F' mass F'^T) with F the 3x6 matrix of columns
+/// (p_TS, x_U, y_U, z_U, y_F, z_F) in T; docs/equations.md, E1-E3. `mass` is constant, so the metric needs neither M nor C.
+struct ArmModel {
+  Segment upper_arm;
+  Segment forearm;
+  Rhythm rhythm;
+  JointLimits limits;
+  bool moving_shoulder = true;               ///< whether the shoulder's velocity enters the metric
+  Eigen::Matrix<double, 6, 6> mass = Eigen::Matrix<double, 6, 6>::Zero();
+};
+
+/// Builds the model of a right arm (a left arm is the mirrored problem; see motion.hpp).
+/// @throws std::invalid_argument naming variable, value, unit and rule.
+ArmModel make_arm_model(const ScaledArm& arm, const Rhythm& rhythm, const JointLimits& limits, bool moving_shoulder);
+
+}  // namespace glenoid

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <memory>
+
+#include "glenoid/arm_model.hpp"
+#include "glenoid/path.hpp"
+#include "glenoid/status.hpp"
+
+namespace glenoid {
+
+/// Where a path leaves the joint limits; a geodesic knows none.
+struct LimitViolation {
+  bool any = false;
+  LimitMargin worst;      ///< least margin on the way, negative = outside
+  double lambda = 0.0;    ///< where the worst is
+};
+
+/// What was shown about a path. It is part of every result and is never hidden from the user.
+struct Certificate {
+  double newton_step_rad = 0.0;       ///< largest nodal change of the last full Newton step
+  double gradient = 0.0;              ///< largest component of the energy gradient at the nodes, kg.m2/rad
+  bool hessian_positive = false;      ///< second variation positive definite: a strict local minimum, no conjugate point
+  double spectral_tail = 0.0;         ///< size of the last Legendre coefficients: interpolation error estimate
+  double speed_variation = 0.0;       ///< (max - min)/mean of 1/2 q'Mq' along the path; 0 in theory
+  double hand_error_m = 0.0;          ///< distance of the final wrist from the target
+  double transversality = 0.0;        ///< |cos| between the final momentum and the free direction; 0 at an interior minimum
+  bool swivel_at_limit = false;       ///< the minimum lies at a joint limit; then the energy rises into the feasible side
+  double rotation_angle_rad = 0.0;    ///< angle of R_0^T R_1
+  bool long_way = false;              ///< the path turns the other way round than the short rotation (homotopy class)
+  int order = 0;                      ///< intervals of the finest grid
+  int iterations = 0;                 ///< Newton steps over all grids
+  LimitViolation limits;
+};
+
+struct GeodesicOptions {
+  double tail_tolerance = 1e-6;   ///< refine until spectral_tail is below this
+  int max_order = kMaxPathOrder;
+};
+
+/// Geodesics of the arm's kinetic-energy metric between two postures, on SO(3) x R; docs/equations.md, G1-G6.
+///
+/// Owns the scratch memory: construct once, solve often; no allocation afterwards. One solver per thread.
+class GeodesicSolver {
+ public:
+  GeodesicSolver();
+  ~GeodesicSolver();
+  GeodesicSolver(GeodesicSolver&&) noexcept;
+  GeodesicSolver& operator=(GeodesicSolver&&) noexcept;
+
+  /// Path from start to end in the short rotation class (or the other class where only that converges).
+  /// @return NotFinite, NoConvergence. `path` and `certificate` are valid only for Ok.
+  /// @alloc none
+  Status solve(const ArmModel& arm, const Posture& start, const Posture& end, const GeodesicOptions& options,
+               GeodesicPath& path, Certificate& certificate) noexcept;
+
+  /// As solve, with the last node free to move on the self-motion {wrist = target}: a local minimum of the energy over the
+  /// swivel angle, from the posture `guess` (docs/equations.md, S3).
+  Status solve_free_end(const ArmModel& arm, const Posture& start, const Posture& guess, const Vec3& target,
+                        const GeodesicOptions& options, GeodesicPath& path, Certificate& certificate) noexcept;
+
+  struct Workspace;
+
+ private:
+  std::unique_ptr<Workspace> workspace_;
+};
+
+}  // namespace glenoid

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "glenoid/geodesic.hpp"
+#include "glenoid/kinematics.hpp"
+
+namespace glenoid {
+
+enum class SwivelMode : int { MinimumEnergy = 1, Prescribed = 2, HumanPrior = 3 };
+
+/// One member of the family of final postures that reach the target, for plots.
+struct FamilyMember {
+  double swivel_rad = 0.0;
+  Posture end;
+  LimitMargin margin;
+  double energy = 0.0;   ///< coarse energy of the path to it, kg.m2; NaN where it was not computed
+};
+
+inline constexpr int kMaxFamily = 512;
+
+struct Family {
+  int count = 0;
+  std::array<FamilyMember, kMaxFamily> members;
+};
+
+struct ReachPlan {
+  GeodesicPath path;
+  Certificate certificate;
+  double swivel_rad = 0.0;
+  double reach_margin_m = 0.0;
+  /// Best limit margin over the postures that reach the target: tells by how much LimitsInfeasible failed.
+  LimitMargin best_margin;
+};
+
+/// From a posture and a wrist target to a path: which final posture (swivel angle) and the geodesic to it.
+///
+/// Owns the scratch memory: construct once, plan often; no allocation afterwards. One planner per thread.
+class ReachPlanner {
+ public:
+  ReachPlanner();
+  ~ReachPlanner();
+  ReachPlanner(ReachPlanner&&) noexcept;
+  ReachPlanner& operator=(ReachPlanner&&) noexcept;
+
+  /// Globally least energy over all feasible swivel angles; docs/equations.md, S1-S4.
+  /// @return NotFinite, TargetUnreachable, LimitsInfeasible, NoConvergence; the margins in `out` are valid for these too.
+  Status plan_minimum_energy(const ArmModel& arm, const Posture& start, const Vec3& target, ReachPlan& out) noexcept;
+
+  /// The posture with the given swivel angle that is nearest to the start in energy.
+  Status plan_prescribed(const ArmModel& arm, const Posture& start, const Vec3& target, double swivel_rad,
+                         ReachPlan& out) noexcept;
+
+  /// Given end posture. The wrist target is that of the end posture.
+  Status plan_between(const ArmModel& arm, const Posture& start, const Posture& end, ReachPlan& out) noexcept;
+
+  /// Family of final postures over the whole self-motion with energies, `count` <= kMaxFamily of them, ordered by swivel.
+  Status sample_family(const ArmModel& arm, const Posture& start, const Vec3& target, int count, Family& out) noexcept;
+
+  struct Workspace;
+
+ private:
+  std::unique_ptr<Workspace> workspace_;
+};
+
+}  // namespace glenoid
