@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# Everything: set-up, build, C++ and Python tests, checks, and the core's tests once more under sanitizers.
+# Every suite runs even if an earlier one failed; the last line sums them up.
+#   GLENOID_TEST_COUNT  random cases per law (the suites' own default if unset)
+set -uo pipefail
+cd "$(dirname "$0")/.."
+reports=$PWD/build/reports
+failed=0
+stage() { echo; echo "== $*"; }
+
+stage set-up and build
+bash cmake/setup.sh && bash cmake/build.sh release || { echo "0 passed, 1 failed, 0 skipped"; exit 1; }
+rm -rf "$reports"
+mkdir -p "$reports"
+
+stage C++ tests
+ctest --test-dir build -j "${GLENOID_JOBS:-2}" --output-on-failure --output-junit "$reports/ctest.xml" >"$reports/ctest.log" 2>&1 ||
+  { failed=1; grep -vE '^ *[0-9]+/[0-9]+ Test.*Passed' "$reports/ctest.log"; }
+tail -n 3 "$reports/ctest.log"
+
+stage Python tests
+build/venv/bin/python -m pytest -q --junitxml="$reports/pytest.xml" tests/host tests/fmu tests/architecture || failed=1
+
+stage checks
+bash cmake/check.sh | tee "$reports/check.log"
+[ "${PIPESTATUS[0]}" -eq 0 ] || failed=1
+
+stage core tests under the address and undefined-behaviour sanitizers
+if bash cmake/build.sh sanitize; then
+  GLENOID_TEST_COUNT=${GLENOID_TEST_COUNT_SANITIZE:-20} \
+    ctest --test-dir build/sanitize -j "${GLENOID_JOBS:-2}" --output-on-failure --output-junit "$reports/sanitize.xml" \
+    >"$reports/sanitize.log" 2>&1 || { failed=1; cat "$reports/sanitize.log"; }
+  tail -n 3 "$reports/sanitize.log"
+else
+  failed=1
+fi
+
+stage sum
+/usr/bin/python3 cmake/count_tests.py "$reports" || failed=1
+exit $failed
