@@ -1,0 +1,147 @@
+"""Many reaches in one call, for programs: `glenoid plan --batch TASKS.json --json`."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from glenoid import _core
+from glenoid.inputs import InputError, ReachInput, Vector3, Vector4, explain
+from glenoid.reach import Array
+from glenoid.settings import core_limits, core_rhythm, core_subject, mirrored_if_left
+
+SAMPLES = 101
+ANSWER_KEYS = ("q", "shoulder", "elbow", "wrist", "swivel", "energy", "iterations", "solve_us")
+
+
+class TaskSubject(BaseModel):
+    """What a task knows of its person beyond the common subject."""
+
+    model_config = ConfigDict(extra="forbid")
+    upper_arm_length_m: float | None = None
+    forearm_length_m: float | None = None
+    shoulder_distance_m: float | None = None
+    shoulder_start_m: Vector3 | None = None
+
+
+class Task(BaseModel):
+    """One reach of a batch; SI units and rad, points in T. A number that is not finite gives the status NotFinite."""
+
+    model_config = ConfigDict(extra="forbid")
+    id: str | int
+    q0: Vector4
+    target: Vector3
+    q1: Vector4 | None = None
+    subject: TaskSubject = TaskSubject()
+    gh_path_m: list[Vector3] | None = Field(default=None, min_length=2)
+
+    def is_finite(self) -> bool:
+        """Whether every number of the task is."""
+        rows = (self.q0, self.target, self.q1 or (), self.subject.shoulder_start_m or (), *(self.gh_path_m or ()))
+        return all(math.isfinite(value) for row in rows for value in row)
+
+
+def read_tasks(path: Path) -> list[Any]:
+    """The list of tasks, unchecked. InputError if the file does not hold a list."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from error
+    except ValueError as error:
+        raise InputError(f"{path}: not readable as JSON: {error}") from error
+    if not isinstance(data, list):
+        raise InputError(f"{path}: the top level must be a list of tasks")
+    return data
+
+
+class BatchPlanner:
+    """Plans tasks with common settings; the core's right-arm models see a left arm's task mirrored."""
+
+    def __init__(self, common: ReachInput) -> None:
+        self.common = common
+        self.planner = _core.ReachPlanner()
+
+    def own_side(self, points_m: Any) -> Array:
+        """Points of T in the frame of a right arm, and back; the two are the same operation."""
+        return mirrored_if_left(np.asarray(points_m, dtype=float), self.common.subject)
+
+    def arm(self, task: Task) -> _core.ArmModel:
+        """The arm of a task. A measured shoulder path replaces the rhythm; its end is the shoulder of the final posture."""
+        lengths = task.subject.model_dump(exclude={"shoulder_start_m"}, exclude_none=True)
+        subject = self.common.subject.model_copy(update=lengths)
+        scaled = _core.scale_subject(core_subject(subject))
+        settings = core_rhythm(self.common.rhythm)
+        moving = self.common.metric == "movingShoulder"
+        anchor = task.subject.shoulder_start_m
+        if task.gh_path_m is not None:
+            settings.model, moving, anchor = _core.RhythmModel.Fixed, False, task.gh_path_m[-1]
+        rhythm = _core.Rhythm(settings, scaled.shoulder_distance_m)
+        if anchor is not None:
+            start = _core.posture_from_angles(np.array(task.q0))
+            rhythm.anchor(start.R_TU[:, 2], self.own_side(anchor))
+        return _core.make_arm_model(scaled, rhythm, core_limits(subject), moving)
+
+    def plan(self, task: Task, arm: _core.ArmModel) -> tuple[_core.Status, _core.ReachPlan]:
+        """To the given end posture, or with the common choice of the swivel angle."""
+        start = _core.posture_from_angles(np.array(task.q0))
+        swivel = self.common.swivel
+        if task.q1 is not None:
+            return self.planner.plan_between(arm, start, _core.posture_from_angles(np.array(task.q1)))
+        if swivel.mode == "MinimumEnergy":
+            return self.planner.plan_minimum_energy(arm, start, self.own_side(task.target))
+        if swivel.mode == "Prescribed":
+            return self.planner.plan_prescribed(arm, start, self.own_side(task.target), swivel.prescribed_rad)
+        return _core.Status.NotAvailable, _core.ReachPlan()
+
+    def points(self, task: Task, arm: _core.ArmModel, path: _core.GeodesicPath, lambdas: Array) -> list[Array]:
+        """Shoulder, elbow and wrist along the path in T, about the measured shoulder path where one is given."""
+        points = [self.own_side(rows) for rows in path.points(arm, lambdas)]
+        if task.gh_path_m is None:
+            return points
+        given = np.array(task.gh_path_m)
+        known = np.linspace(0.0, 1.0, len(given))
+        shift = np.column_stack([np.interp(lambdas, known, given[:, k]) for k in range(3)]) - points[0]
+        return [rows + shift for rows in points]
+
+    def answer(self, task: Task) -> dict[str, Any]:
+        """Status and motion of a checked task; null where there is none."""
+        arm = self.arm(task)
+        begin_ns = time.perf_counter_ns()
+        status, plan = self.plan(task, arm)
+        solve_us = (time.perf_counter_ns() - begin_ns) / 1e3
+        if status != _core.Status.Ok:
+            return refusal(task.id, status.name)
+        lambdas = np.linspace(0.0, 1.0, SAMPLES)
+        q, _, _ = plan.path.angles(lambdas, np.array(task.q0))
+        shoulder, elbow, wrist = (rows.tolist() for rows in self.points(task, arm, plan.path, lambdas))
+        swivel = _core.swivel_angle(_core.forward_kinematics(arm, plan.path.posture(1.0)))
+        values = (q.tolist(), shoulder, elbow, wrist, swivel, plan.path.energy_kg_m2, plan.certificate.iterations)
+        return {"id": task.id, "status": "ok"} | dict(zip(ANSWER_KEYS, (*values, solve_us), strict=True))
+
+
+def refusal(task_id: Any, status: str, message: str = "") -> dict[str, Any]:
+    """The answer to a task without a motion."""
+    out = {"id": task_id, "status": status} | dict.fromkeys(ANSWER_KEYS)
+    return out | {"message": message} if message else out
+
+
+def run_batch(tasks: list[Any], common: ReachInput) -> list[dict[str, Any]]:
+    """One answer per task, in order; a bad task is answered with a status and disturbs no other."""
+    planner = BatchPlanner(common)
+    answers = []
+    for index, data in enumerate(tasks):
+        name = data.get("id", index) if isinstance(data, dict) else index
+        try:
+            task = Task.model_validate(data)
+            answers.append(planner.answer(task) if task.is_finite() else refusal(name, "NotFinite"))
+        except ValidationError as error:
+            answers.append(refusal(name, "InvalidInput", str(explain(error, f"task {name!r}"))))
+        except ValueError as error:
+            answers.append(refusal(name, "InvalidInput", f"task {name!r}: {error}"))
+    return answers

@@ -1,0 +1,39 @@
+"""The command line: one file per command.
+
+Exit status: 0 done, 1 negative verdict (refused target, failed verification), 2 usage or input error.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+
+from glenoid.cli.demo import demo
+from glenoid.cli.info import info
+from glenoid.cli.plan import plan
+from glenoid.cli.simulate import simulate
+from glenoid.inputs import InputError
+
+app = typer.Typer(
+    help="Human-like reference motion for upper-limb exoskeletons that support the shoulder girdle. "
+    "Research software, not a medical device.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+)
+for command in (plan, simulate, info, demo):
+    app.command()(command)
+
+
+def main() -> int:
+    """Runs the command line and returns its exit status."""
+    try:
+        app()
+    except InputError as error:
+        print(f"glenoid: {error}", file=sys.stderr)
+        return 2
+    except BrokenPipeError:
+        return 0
+    return 0

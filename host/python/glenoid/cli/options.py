@@ -1,0 +1,106 @@
+"""Options that several commands share, and the reach they describe together."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from glenoid.inputs import InputError, ReachInput, build_reach, load_subject, merged, read_mapping
+
+ReachFile = Annotated[Path | None, typer.Argument(help="Reach as YAML (host/examples); options go over it.")]
+SubjectFile = Annotated[Path | None, typer.Option("--subject", help="Subject as YAML (host/subjects).")]
+StartDeg = Annotated[str | None, typer.Option("--start-q-deg", help="Start posture theta,eta,zeta,phi in deg.")]
+StartRad = Annotated[str | None, typer.Option("--start-q-rad", help="Start posture theta,eta,zeta,phi in rad.")]
+Target = Annotated[str | None, typer.Option("--target-m", help="Wrist target x,y,z in the thorax frame, m.")]
+Duration = Annotated[float | None, typer.Option("--duration-s", help="Duration of the movement, s.")]
+Rhythm = Annotated[str | None, typer.Option(help="Shoulder rhythm: Fixed, SoltaniZarrin2017, Measured.")]
+Gain = Annotated[float | None, typer.Option(help="Scale of the rhythm's displacement, 0..1.5.")]
+Smoothing = Annotated[float | None, typer.Option("--smoothing-rad", help="Smoothing at the hanging arm, 0..0.3 rad.")]
+Metric = Annotated[str | None, typer.Option(help="Kinetic energy with movingShoulder or fixedShoulder.")]
+Swivel = Annotated[str | None, typer.Option(help="Final posture: MinimumEnergy, Prescribed, HumanPrior.")]
+SwivelRad = Annotated[float | None, typer.Option("--swivel-prescribed-rad", help="Swivel angle of Prescribed, rad.")]
+Timing = Annotated[str | None, typer.Option(help="MinimumJerkRiemannian or MinimumJerkHand.")]
+Limits = Annotated[
+    list[str] | None,
+    typer.Option("--limits-deg", help="NAME=lower,upper in deg; NAME elevation, plane, axial_rotation, elbow_flexion."),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
+CsvFile = Annotated[Path | None, typer.Option("--csv", help="Write the motion as CSV.")]
+PlotFile = Annotated[Path | None, typer.Option("--plot", help="Draw the picture (.png, .svg, .pdf).")]
+
+METRICS = {
+    "movingshoulder": "movingShoulder",
+    "moving": "movingShoulder",
+    "fixedshoulder": "fixedShoulder",
+    "fixed": "fixedShoulder",
+}
+
+
+def numbers(text: str | None, count: int, option: str) -> list[float] | None:
+    """Comma-separated numbers. InputError names the option."""
+    if text is None:
+        return None
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != count:
+        raise InputError(f"{option} = {text!r}: must be {count} numbers with commas between")
+    return values
+
+
+def limit_ranges(entries: list[str] | None) -> dict[str, Any]:
+    """NAME=lower,upper entries as a mapping."""
+    ranges: dict[str, Any] = {}
+    for entry in entries or []:
+        name, _, text = entry.partition("=")
+        ranges[name] = numbers(text, 2, f"--limits-deg {name}")
+    return ranges
+
+
+def assemble(
+    reach: Path | None,
+    subject: Path | None,
+    limits: list[str] | None,
+    options: dict[str, Any],
+) -> ReachInput:
+    """The reach of a file, with a subject's file over its subject, and options over both."""
+    data = read_mapping(reach) if reach is not None else {}
+    origin = str(reach) if reach is not None else "command line"
+    build_reach(data, origin)
+    if subject is not None:
+        person = load_subject(subject)
+        data = merged(data, {"subject": person.model_dump(include=person.model_fields_set)})
+    if {"start_q_deg", "start_q_rad"} & {key for key, value in options.items() if value is not None}:
+        data = {key: value for key, value in data.items() if not key.startswith("start_q_")}
+    data = merged(data, options | {"subject": {"limits_deg": limit_ranges(limits)}})
+    return build_reach(data, f"{origin} with options" if reach is not None else origin)
+
+
+def reach_options(
+    *,
+    start_deg: str | None,
+    start_rad: str | None,
+    target: str | None,
+    duration: float | None,
+    rhythm: str | None,
+    gain: float | None,
+    smoothing: float | None,
+    metric: str | None,
+    swivel: str | None,
+    swivel_rad: float | None,
+    timing: str | None = None,
+) -> dict[str, Any]:
+    """Options as the keys of a reach file; None where not given."""
+    return {
+        "start_q_deg": numbers(start_deg, 4, "--start-q-deg"),
+        "start_q_rad": numbers(start_rad, 4, "--start-q-rad"),
+        "target_m": numbers(target, 3, "--target-m"),
+        "duration_s": duration,
+        "rhythm": {"model": rhythm, "gain": gain, "smoothing_rad": smoothing},
+        "metric": None if metric is None else METRICS.get(metric.lower(), metric),
+        "swivel": {"mode": swivel, "prescribed_rad": swivel_rad},
+        "timing": timing,
+    }

@@ -1,0 +1,102 @@
+"""`glenoid simulate`: the same reach through the FMU."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated, Literal
+
+import typer
+from rich.console import Console
+
+from glenoid.cli import options as opt
+from glenoid.cli.plan import write_outputs
+from glenoid.fmus import fmu_path, sha256
+from glenoid.inputs import InputError
+from glenoid.reach import REFUSALS, plan_reach
+from glenoid.report import degrees, metres, two_columns
+from glenoid.simulate import Simulation, difference_from_core
+from glenoid.simulate import simulate as run_fmu
+from glenoid.tables import motion_columns, to_text, write_csv
+
+NAMES = ("q_rad", "dq_rad_per_s", "ddq_rad_per_s2", "shoulder_m", "elbow_m", "wrist_m", "swivel_rad", "progress", "status")
+
+
+def simulate(
+    reach: opt.ReachFile = None,
+    subject: opt.SubjectFile = None,
+    start_deg: opt.StartDeg = None,
+    start_rad: opt.StartRad = None,
+    target: opt.Target = None,
+    duration: opt.Duration = None,
+    rhythm: opt.Rhythm = None,
+    gain: opt.Gain = None,
+    smoothing: opt.Smoothing = None,
+    metric: opt.Metric = None,
+    swivel: opt.Swivel = None,
+    swivel_rad: opt.SwivelRad = None,
+    limits: opt.Limits = None,
+    fmi: Annotated[Literal["2", "3"], typer.Option(help="Version of FMI.")] = "3",
+    step_s: Annotated[float, typer.Option("--step-s", min=1e-5, help="Communication step, s.")] = 0.01,
+    stop_s: Annotated[float | None, typer.Option("--stop-s", help="End, s; default 0.2 s after the movement.")] = None,
+    as_json: opt.AsJson = False,
+    csv: opt.CsvFile = None,
+    plot: opt.PlotFile = None,
+) -> None:
+    """Run a reach through the FMU with FMPy and compare it with the core.
+
+    Example: glenoid simulate host/examples/reach_to_head.yaml --fmi 2 --csv reach.csv
+    """
+    options = opt.reach_options(
+        start_deg=start_deg,
+        start_rad=start_rad,
+        target=target,
+        duration=duration,
+        rhythm=rhythm,
+        gain=gain,
+        smoothing=smoothing,
+        metric=metric,
+        swivel=swivel,
+        swivel_rad=swivel_rad,
+    )
+    given = opt.assemble(reach, subject, limits, options)
+    done = run_fmu(given, fmu_path(fmi), step_s, stop_s if stop_s is not None else given.duration_s + 0.2)
+    difference = difference_from_core(given, done)
+    if csv is not None:
+        try:
+            write_csv(motion_columns(done.time_s, done.samples), csv)
+        except OSError as error:
+            raise InputError(f"{csv}: {error.strerror}") from error
+    if plot is not None and done.status not in REFUSALS:
+        planned = plan_reach(given)
+        write_outputs(replace(planned, time_s=done.time_s, samples=done.samples), None, plot)
+    if as_json:
+        print(to_text(simulation_to_json(done, difference)))
+    else:
+        print_simulation(done, difference)
+    if done.status in REFUSALS:
+        raise typer.Exit(1)
+
+
+def simulation_to_json(done: Simulation, difference_rad: float) -> dict[str, object]:
+    """A simulation as plain data."""
+    out: dict[str, object] = {
+        "fmu": done.fmu.name,
+        "sha256": sha256(done.fmu),
+        "fmi_version": done.fmi_version,
+        "status": done.status,
+        "largest_difference_from_core_rad": difference_rad,
+        "time_s": done.time_s.tolist(),
+    }
+    return out | {name: done.samples[name].tolist() for name in NAMES}
+
+
+def print_simulation(done: Simulation, difference_rad: float) -> None:
+    """The end of a simulation for people."""
+    table = two_columns()
+    table.add_row("FMU", f"{done.fmu} (FMI {done.fmi_version})")
+    table.add_row("steps", f"{len(done.time_s) - 1} to {done.time_s[-1]:.3f} s")
+    table.add_row("status at end", done.status)
+    table.add_row("posture at end (deg)", degrees(done.samples["q_rad"][-1]))
+    table.add_row("wrist at end (m)", metres(done.samples["wrist_m"][-1]))
+    table.add_row("largest difference from core", f"{difference_rad:.1e} rad")
+    Console().print(table, highlight=False)

@@ -1,0 +1,108 @@
+"""One reach, planned by the core: the motion in time, the family it was chosen from, and what was shown about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from glenoid import _core
+from glenoid.inputs import ReachInput
+from glenoid.settings import make_generator, mirrored_if_left
+
+Array = NDArray[np.float64]
+FAMILY_COUNT = 180
+#: a shot with the path's own initial rates must arrive this near, rad (CVODE runs at 1e-11)
+ARRIVAL_TOLERANCE_RAD = 1e-7
+REFUSALS = ("TargetUnreachable", "LimitsInfeasible", "ExoInfeasible", "SolverFailed")
+
+
+@dataclass(frozen=True)
+class Verification:
+    """Outcome of shooting the path's initial rates with CVODE."""
+
+    arrival_rad: float
+    energy_drift: float
+    steps: int
+
+    @property
+    def passed(self) -> bool:
+        """Whether the shot arrived."""
+        return self.arrival_rad < ARRIVAL_TOLERANCE_RAD
+
+
+@dataclass(frozen=True)
+class Reach:
+    """A planned reach. Arrays have a row per time; points in the thorax frame T, m; angles (theta, eta, zeta, phi)."""
+
+    given: ReachInput
+    status: str
+    message: str
+    time_s: Array
+    samples: dict[str, Array]
+    family: dict[str, Array]
+    certificate: _core.Certificate
+    generator: _core.MotionGenerator
+    reach_margin_m: float
+    best_margin: _core.LimitMargin
+
+    @property
+    def ok(self) -> bool:
+        """Whether a motion was found."""
+        return self.status == "ok"
+
+
+def target_for_core(reach: ReachInput) -> Array:
+    """Target in the frame of the core's right-arm models, m."""
+    return mirrored_if_left(np.array(reach.target_m), reach.subject)
+
+
+def plan_reach(reach: ReachInput, rate_hz: float = 100.0) -> Reach:
+    """Plans a reach and samples it.
+
+    Args:
+        reach: what to do; SI units and rad.
+        rate_hz: samples per second, > 0.
+
+    Raises:
+        InputError: the core refuses a setting; the text names variable, value, unit and rule.
+    """
+    generator = make_generator(reach)
+    generator.command(0.0, np.array(reach.target_m))
+    time_s = np.linspace(0.0, reach.duration_s, max(2, round(reach.duration_s * rate_hz) + 1))
+    samples = generator.sample(time_s)
+    name = _core.MotionStatus(int(samples["status"][0])).name
+    start = _core.posture_from_angles(np.array(reach.start_rad))
+    planner = _core.ReachPlanner()
+    _, plan = planner.plan_minimum_energy(generator.arm, start, target_for_core(reach))
+    _, family = planner.sample_family(generator.arm, start, target_for_core(reach), FAMILY_COUNT)
+    return Reach(
+        given=reach,
+        status=name if name in REFUSALS else "ok",
+        message=generator.message,
+        time_s=time_s,
+        samples=samples,
+        family=family,
+        certificate=generator.certificate,
+        generator=generator,
+        reach_margin_m=plan.reach_margin_m,
+        best_margin=plan.best_margin,
+    )
+
+
+def rotation_between(first: Array, second: Array) -> float:
+    """Angle of the rotation between two (3, 3) matrices, rad; accurate near 0."""
+    return float(2.0 * np.arcsin(min(1.0, np.linalg.norm(first - second) / np.sqrt(8.0))))
+
+
+def verify(reach: Reach) -> Verification:
+    """Shoots the path's initial rates with SUNDIALS CVODE and measures where it arrives."""
+    path = reach.generator.path
+    status, shot = _core.follow_geodesic(reach.generator.arm, path.posture(0.0), path.start_rates())
+    if status != _core.Status.Ok:
+        return Verification(float("inf"), float("inf"), 0)
+    end = path.posture(1.0)
+    last = shot.postures[-1]
+    arrival = max(rotation_between(last.R_TU, end.R_TU), abs(last.phi_rad - end.phi_rad))
+    return Verification(arrival, shot.energy_drift, shot.steps)

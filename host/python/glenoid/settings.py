@@ -1,0 +1,81 @@
+"""From checked inputs to the settings of the core."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from glenoid import _core
+from glenoid.inputs import InputError, ReachInput, RhythmInput, SubjectInput
+
+SUBJECT_FIELDS = (
+    "stature_m",
+    "mass_kg",
+    "upper_arm_length_m",
+    "forearm_length_m",
+    "shoulder_distance_m",
+    "upper_arm_mass_kg",
+    "forearm_mass_kg",
+    "upper_arm_com_m",
+    "forearm_com_m",
+    "upper_arm_inertia_kg_m2",
+    "forearm_inertia_kg_m2",
+)
+
+
+def core_subject(subject: SubjectInput) -> _core.Subject:
+    """The subject as the core takes it."""
+    out = _core.Subject()
+    for field in SUBJECT_FIELDS:
+        value = getattr(subject, field)
+        setattr(out, field, np.array(value) if isinstance(value, tuple) else value)
+    out.female = subject.sex == "female"
+    out.left_arm = subject.arm == "left"
+    return out
+
+
+def core_limits(subject: SubjectInput) -> _core.JointLimits:
+    """Joint limits, rad."""
+    lower, upper = subject.limits_deg.as_rad()
+    limits = _core.JointLimits()
+    limits.lower_rad = np.array(lower)
+    limits.upper_rad = np.array(upper)
+    return limits
+
+
+def core_rhythm(rhythm: RhythmInput) -> _core.RhythmSettings:
+    """Rhythm settings."""
+    out = _core.RhythmSettings()
+    out.model = getattr(_core.RhythmModel, rhythm.model)
+    out.gain = rhythm.gain
+    out.smoothing_rad = rhythm.smoothing_rad
+    return out
+
+
+def core_motion(reach: ReachInput) -> _core.MotionSettings:
+    """Everything that the generator needs before the first movement."""
+    settings = _core.MotionSettings()
+    settings.subject = core_subject(reach.subject)
+    settings.rhythm = core_rhythm(reach.rhythm)
+    settings.limits = core_limits(reach.subject)
+    settings.moving_shoulder = reach.metric == "movingShoulder"
+    settings.swivel_mode = getattr(_core.SwivelMode, reach.swivel.mode)
+    settings.swivel_prescribed_rad = reach.swivel.prescribed_rad
+    settings.timing = getattr(_core.TimingLaw, reach.timing)
+    settings.duration_s = reach.duration_s
+    settings.start_q_rad = np.array(reach.start_rad)
+    if reach.start_shoulder_m is not None:
+        settings.shoulder_start_m = np.array(reach.start_shoulder_m)
+    return settings
+
+
+def mirrored_if_left(points_m: np.ndarray, subject: SubjectInput) -> np.ndarray:
+    """Points (..., 3) of the arm's own side: the core's arm models are right arms, a left arm is their mirror image."""
+    return points_m * np.array([-1.0, 1.0, 1.0]) if subject.arm == "left" else points_m
+
+
+def make_generator(reach: ReachInput) -> _core.MotionGenerator:
+    """The generator at time 0, at rest in the start posture. InputError with the core's own words if it refuses."""
+    try:
+        return _core.MotionGenerator(core_motion(reach), 0.0)
+    except ValueError as error:
+        raise InputError(str(error)) from error

@@ -1,0 +1,98 @@
+"""Reaches as CSV and JSON; every column says its unit."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from glenoid import _core
+from glenoid.findings import ANGLE_NAMES, describe_refusal, warnings_for
+from glenoid.reach import Array, Reach, Verification
+
+ANGLES = ("theta", "eta", "zeta", "phi")
+POINTS = ("shoulder", "elbow", "wrist")
+SCALARS = ("swivel_rad", "progress", "misalignment_m")
+
+
+def motion_columns(time_s: Array, samples: dict[str, Array]) -> dict[str, Array]:
+    """Columns of a sampled motion by name, in the order of the CSV file."""
+    columns = {"time_s": time_s}
+    columns |= {f"{name}_rad": samples["q_rad"][:, k] for k, name in enumerate(ANGLES)}
+    columns |= {f"d{name}_rad_per_s": samples["dq_rad_per_s"][:, k] for k, name in enumerate(ANGLES)}
+    columns |= {f"dd{name}_rad_per_s2": samples["ddq_rad_per_s2"][:, k] for k, name in enumerate(ANGLES)}
+    for point in POINTS:
+        columns |= {f"{point}_{axis}_m": samples[f"{point}_m"][:, k] for k, axis in enumerate("xyz")}
+    columns |= {name: samples[name] for name in SCALARS}
+    return columns
+
+
+def write_csv(columns: dict[str, Array], path: Path) -> None:
+    """Columns of equal length, full precision."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        writer.writerows(np.column_stack(list(columns.values())).tolist())
+
+
+def certificate_to_json(certificate: _core.Certificate) -> dict[str, Any]:
+    """The certificate, all of it."""
+    names = (
+        "newton_step_rad",
+        "gradient_kg_m2",
+        "hessian_positive",
+        "spectral_tail",
+        "speed_variation",
+        "hand_error_m",
+        "transversality",
+        "swivel_at_limit",
+        "rotation_angle_rad",
+        "long_way",
+        "order",
+        "iterations",
+    )
+    worst = certificate.limits.worst
+    limits = {
+        "violated": certificate.limits.any,
+        "worst_margin_rad": worst.margin_rad,
+        "worst_angle": ANGLE_NAMES[worst.angle],
+        "at_upper": worst.at_upper,
+        "lambda": certificate.limits.lambda_,
+    }
+    return {name: getattr(certificate, name) for name in names} | {"limits": limits}
+
+
+def reach_to_json(reach: Reach, verification: Verification | None = None) -> dict[str, Any]:
+    """A reach as plain data; without motion if there is none."""
+    out: dict[str, Any] = {"name": reach.given.name, "status": reach.status, "reach_margin_m": reach.reach_margin_m}
+    if not reach.ok:
+        return out | {"message": describe_refusal(reach), "best_margin_rad": reach.best_margin.margin_rad}
+    out["energy_kg_m2"] = reach.generator.path.energy_kg_m2
+    out["swivel_rad"] = float(reach.samples["swivel_rad"][-1])
+    out["certificate"] = certificate_to_json(reach.certificate)
+    out["warnings"] = warnings_for(reach)
+    if verification is not None:
+        out["verification"] = {
+            "passed": verification.passed,
+            "arrival_rad": verification.arrival_rad,
+            "energy_drift": verification.energy_drift,
+        }
+    names = ("q_rad", "dq_rad_per_s", "ddq_rad_per_s2", "shoulder_m", "elbow_m", "wrist_m", *SCALARS)
+    out["motion"] = {"time_s": reach.time_s.tolist()} | {name: reach.samples[name].tolist() for name in names}
+    keys = ("swivel_rad", "margin_rad", "energy_kg_m2")
+    out["family"] = {key: [number_or_none(value) for value in reach.family[key]] for key in keys}
+    return out
+
+
+def number_or_none(value: float) -> float | None:
+    """JSON has no NaN: what was not computed is null."""
+    return float(value) if math.isfinite(value) else None
+
+
+def to_text(data: Any) -> str:
+    """Strict JSON."""
+    return json.dumps(data, allow_nan=False)
