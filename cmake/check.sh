@@ -3,9 +3,8 @@
 set -uo pipefail
 cd "$(dirname "$0")/.."
 tools=build/venv/bin
-mapfile -t cpp < <(git ls-files 'core/*.hpp' 'core/*.cpp' 'fmu/*.hpp' 'fmu/*.cpp' 'host/*.hpp' 'host/*.cpp' \
-                     'tests/*.hpp' 'tests/*.cpp')
-mapfile -t python < <(git ls-files '*.py')
+mapfile -t cpp < <(find core fmu host tests -name '*.hpp' -o -name '*.cpp')
+mapfile -t python < <(find cmake fmu host tests -name '*.py')
 
 if [ "${1:-}" = --apply ]; then
   "$tools/clang-format" -i "${cpp[@]}" && "$tools/ruff" format -q "${python[@]}"
