@@ -20,7 +20,7 @@ using Tracks = Eigen::Matrix<double, kTracks, 1>;
 
 struct Sample {
   double s = 0.0;
-  Tracks value, rate;
+  Tracks value = Tracks::Zero(), rate = Tracks::Zero();
 };
 
 /// Cubic through values and rates at the two ends of [0, h].

@@ -34,7 +34,9 @@ struct Certificate {
 
 struct GeodesicOptions {
   double tail_tolerance = 1e-6;   ///< refine until spectral_tail is below this
-  int max_order = kMaxPathOrder;
+  int first_order = 8;            ///< grid of the first, loose solution; orders are 6, 8, 12, 16, 24, 40, 64
+  int max_order = kMaxPathOrder;  ///< the finest grid that may be used
+  double step_tolerance = 1e-6;   ///< rad; a full Newton step below this ends the iteration, what is left is about its square
 };
 
 /// Geodesics of the arm's kinetic-energy metric between two postures, on SO(3) x R; docs/equations.md, G1-G6.
@@ -50,13 +52,19 @@ class GeodesicSolver {
   /// Path from start to end in the short rotation class (or the other class where only that converges).
   /// @return NotFinite, NoConvergence. `path` and `certificate` are valid only for Ok.
   /// @alloc none
+  /// @param warm  an earlier path between nearby postures to start from, or null; may be the same object as `path`
   Status solve(const ArmModel& arm, const Posture& start, const Posture& end, const GeodesicOptions& options,
-               GeodesicPath& path, Certificate& certificate) noexcept;
+               const GeodesicPath* warm, GeodesicPath& path, Certificate& certificate) noexcept;
 
   /// As solve, with the last node free to move on the self-motion {wrist = target}: a local minimum of the energy over the
   /// swivel angle, from the posture `guess` (docs/equations.md, S3).
   Status solve_free_end(const ArmModel& arm, const Posture& start, const Posture& guess, const Vec3& target,
-                        const GeodesicOptions& options, GeodesicPath& path, Certificate& certificate) noexcept;
+                        const GeodesicOptions& options, const GeodesicPath* warm, GeodesicPath& path,
+                        Certificate& certificate) noexcept;
+
+  /// Energy gradient with respect to the end posture of the last solution, in body coordinates of that posture
+  /// (delta, dphi): the final momentum p(1), kg.m2. Exact for the discrete path.
+  [[nodiscard]] Vec4 end_momentum() const noexcept;
 
   struct Workspace;
 

@@ -28,7 +28,7 @@ struct RhythmJet {
 /// pointing straight up. It does not check that the elevation lies in the range that its source measured (0..150 deg).
 class Rhythm {
  public:
-  Rhythm() = default;
+  Rhythm() : Rhythm(RhythmSettings{}, 0.17) {}
   /// @param shoulder_distance_m  d_0 > 0
   /// @throws std::invalid_argument naming the setting, value, unit and rule.
   Rhythm(const RhythmSettings& settings, double shoulder_distance_m);
@@ -44,7 +44,8 @@ class Rhythm {
 
  private:
   RhythmSettings settings_;
-  double shoulder_distance_m_ = 0.17;
+  double shoulder_distance_m_;
+  Vec3 rest_ = Vec3::Zero();     ///< centre of the hanging arm before anchoring
   Vec3 offset_ = Vec3::Zero();
 };
 

@@ -1,0 +1,198 @@
+#include "glenoid/geodesic.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "discrete_geodesic.hpp"
+#include "glenoid/kinematics.hpp"
+
+namespace glenoid {
+namespace {
+
+constexpr int kMaxIterations = 40;        // per grid
+constexpr double kLooseStep = 3e-2;       // rad; for grids that are refined anyway
+constexpr double kStepCap = 0.6;          // rad; largest nodal change of one step
+constexpr double kArmijo = 1e-4;
+constexpr double kLeastDamping = 1e-3;
+
+bool finite(const Posture& p) { return p.R_TU.allFinite() && std::isfinite(p.phi); }
+
+/// Rotation from a to b, in the short class or the long way round.
+Vec3 rotation_between(const Mat3& a, const Mat3& b, bool long_way) {
+  Vec3 v = rotation_vector(a.transpose() * b);
+  if (long_way) {
+    const double angle = v.norm();
+    const Vec3 axis = angle > 1e-9 ? Vec3(v / angle) : Vec3(Vec3::UnitZ());
+    v = axis * (angle - 2.0 * kPi);
+  }
+  return v;
+}
+
+void slerp_guess(DiscreteGeodesic& d, const Posture& a, const Posture& b, bool long_way) {
+  const Vec3 v = rotation_between(a.R_TU, b.R_TU, long_way);
+  const int n = d.order();
+  for (int k = 0; k <= n; ++k) {
+    const double t = d.grid().node[static_cast<std::size_t>(k)];
+    d.posture(k) = {a.R_TU * rotation(t * v), (1.0 - t) * a.phi + t * b.phi};
+  }
+  d.posture(0) = a;
+  d.posture(n) = b;
+}
+
+/// Nodes of an earlier path, bent so that its ends become a and b.
+void warm_guess(DiscreteGeodesic& d, const GeodesicPath& warm, const Posture& a, const Posture& b) {
+  const int n = d.order();
+  const Posture wa = path_posture(warm, 0.0), wb = path_posture(warm, 1.0);
+  const Vec3 da = rotation_vector(wa.R_TU.transpose() * a.R_TU), db = rotation_vector(wb.R_TU.transpose() * b.R_TU);
+  for (int k = 0; k <= n; ++k) {
+    const double t = d.grid().node[static_cast<std::size_t>(k)];
+    const Posture p = path_posture(warm, t);
+    d.posture(k) = {p.R_TU * rotation((1.0 - t) * da + t * db), p.phi + (1.0 - t) * (a.phi - wa.phi) + t * (b.phi - wb.phi)};
+  }
+  d.posture(0) = a;
+  d.posture(n) = b;
+}
+
+/// Newton's iteration on one grid (docs/equations.md, G4).
+struct Newton {
+  DiscreteGeodesic& d;
+  const ArmModel& arm;
+  Certificate& certificate;
+
+  /// One globalised step. @return size of the full step in rad, or a negative number if no descent was possible.
+  double step() {
+    d.assemble(true);
+    bool positive = d.factor();
+    if (!positive) {
+      d.assemble(false);
+      if (!d.factor()) return -1.0;
+    }
+    certificate.hessian_positive = positive;
+    const double slope = d.solve_step();
+    const double size = d.step_size();
+    if (!std::isfinite(size)) return -1.0;
+    double scale = std::min(1.0, kStepCap / std::max(size, 1e-300));
+    const double before = d.energy();
+    const double noise = 1e-13 * before;
+    while (true) {
+      d.move(arm, scale);
+      if (d.energy() <= before + kArmijo * scale * slope + noise) break;
+      scale *= 0.5;
+      if (scale < kLeastDamping) return -1.0;
+    }
+    d.accept();
+    ++certificate.iterations;
+    return size;
+  }
+
+  /// Iterates until a full step is below `tolerance`.
+  bool run(double tolerance) {
+    d.evaluate(arm);
+    for (int i = 0; i < kMaxIterations; ++i) {
+      const double size = step();
+      if (size < 0.0) return false;
+      certificate.newton_step_rad = size;
+      if (size < tolerance && (certificate.hessian_positive || size < 1e-6)) return true;
+    }
+    return false;
+  }
+};
+
+/// Whether the nodes turn the other way round than the short rotation: follows a quaternion along them.
+bool turns_long_way(const DiscreteGeodesic& d) {
+  Eigen::Quaterniond previous(d.posture(0).R_TU), first = previous;
+  for (int k = 1; k <= d.order(); ++k) {
+    Eigen::Quaterniond q(d.posture(k).R_TU);
+    if (q.dot(previous) < 0.0) q.coeffs() *= -1.0;
+    previous = q;
+  }
+  return first.dot(previous) < 0.0;
+}
+
+}  // namespace
+
+struct GeodesicSolver::Workspace {
+  DiscreteGeodesic discrete;
+  GeodesicPath scratch;
+
+  Status run(const ArmModel& arm, const Posture& start, const Posture& end, const Vec3* target,
+             const GeodesicOptions& options, const GeodesicPath* warm, bool long_way, GeodesicPath& path, Certificate& c);
+};
+
+Status GeodesicSolver::Workspace::run(const ArmModel& arm, const Posture& start, const Posture& end, const Vec3* target,
+                                      const GeodesicOptions& options, const GeodesicPath* warm, bool long_way,
+                                      GeodesicPath& path, Certificate& c) {
+  DiscreteGeodesic& d = discrete;
+  d.set_order(std::min(options.first_order, options.max_order));
+  if (warm != nullptr) {
+    warm_guess(d, *warm, start, end);
+  } else {
+    slerp_guess(d, start, end, long_way);
+  }
+  d.set_free_end(target);
+  while (true) {
+    Newton newton{d, arm, c};
+    const bool refine_anyway = d.order() < 16 && d.order() < options.max_order;
+    const bool converged = newton.run(refine_anyway ? kLooseStep : options.step_tolerance);
+    if (!converged && d.order() >= options.max_order) return Status::NoConvergence;
+    d.store(path);
+    c.spectral_tail = d.spectral_tail(path);
+    const bool done = converged && !refine_anyway && c.spectral_tail <= options.tail_tolerance;
+    if (done || d.order() >= options.max_order) break;
+    d.set_order(d.order() < 16 ? std::min(16, options.max_order) : d.order() + 1);
+    for (int k = 0; k <= d.order(); ++k) {
+      const bool fixed = k == 0 || k == d.order();
+      d.posture(k) = fixed ? (k == 0 ? path.nodes[0] : path.nodes[static_cast<std::size_t>(path.order)])
+                           : path_posture(path, d.grid().node[static_cast<std::size_t>(k)]);
+    }
+  }
+  c.order = d.order();
+  c.gradient = d.gradient_size();
+  c.long_way = turns_long_way(d);
+  return Status::Ok;
+}
+
+GeodesicSolver::GeodesicSolver() : workspace_(std::make_unique<Workspace>()) {}
+GeodesicSolver::~GeodesicSolver() = default;
+GeodesicSolver::GeodesicSolver(GeodesicSolver&&) noexcept = default;
+GeodesicSolver& GeodesicSolver::operator=(GeodesicSolver&&) noexcept = default;
+
+Status GeodesicSolver::solve(const ArmModel& arm, const Posture& start, const Posture& end, const GeodesicOptions& options,
+                             const GeodesicPath* warm, GeodesicPath& path, Certificate& certificate) noexcept {
+  if (!finite(start) || !finite(end)) return Status::NotFinite;
+  Workspace& w = *workspace_;
+  certificate = Certificate{};
+  Status status = w.run(arm, start, end, nullptr, options, warm, false, path, certificate);
+  if (status != Status::Ok && warm != nullptr) {
+    status = w.run(arm, start, end, nullptr, options, nullptr, false, path, certificate);
+  }
+  if (status != Status::Ok) status = w.run(arm, start, end, nullptr, options, nullptr, true, path, certificate);
+  if (status != Status::Ok) return status;
+  certificate.rotation_angle_rad = rotation_vector(start.R_TU.transpose() * end.R_TU).norm();
+  return Status::Ok;
+}
+
+Status GeodesicSolver::solve_free_end(const ArmModel& arm, const Posture& start, const Posture& guess, const Vec3& target,
+                                      const GeodesicOptions& options, const GeodesicPath* warm, GeodesicPath& path,
+                                      Certificate& certificate) noexcept {
+  if (!finite(start) || !finite(guess) || !target.allFinite()) return Status::NotFinite;
+  Workspace& w = *workspace_;
+  certificate = Certificate{};
+  Status status = w.run(arm, start, guess, &target, options, warm, false, path, certificate);
+  if (status != Status::Ok && warm != nullptr) {
+    status = w.run(arm, start, guess, &target, options, nullptr, false, path, certificate);
+  }
+  if (status != Status::Ok) return status;
+  const Posture& end = path.nodes[static_cast<std::size_t>(path.order)];
+  certificate.rotation_angle_rad = rotation_vector(start.R_TU.transpose() * end.R_TU).norm();
+  certificate.transversality = w.discrete.transversality();
+  certificate.hand_error_m = (forward_kinematics(arm, end).wrist - target).norm();
+  return Status::Ok;
+}
+
+Vec4 GeodesicSolver::end_momentum() const noexcept { return workspace_->discrete.end_momentum(); }
+
+}  // namespace glenoid
