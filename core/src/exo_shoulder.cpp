@@ -25,7 +25,7 @@ HalfAngle half_interior_angle(const ShoulderGeometry& g, double sin_half, double
   const double s2 = (sin_half * g.cos_diff - cos_half * g.sin_diff) * (sin_half * g.cos_diff + cos_half * g.sin_diff);
   const double c2 = (g.sin_sum * cos_half - g.cos_sum * sin_half) * (g.sin_sum * cos_half + g.cos_sum * sin_half);
   const double s = std::sqrt(std::max(s2, 0.0)), c = std::sqrt(std::max(c2, 0.0));
-  const double length = std::hypot(c, s);
+  const double length = std::sqrt(c * c + s * s);   // sqrt(sin a12 sin a23): never small
   return {c / length, s / length};
 }
 

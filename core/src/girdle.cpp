@@ -13,7 +13,7 @@ struct Polar {
 /// Polar coordinates of the plane point (u, v) with derivatives; at the origin angle and angular rates are 0.
 Polar polar(const ScalarJet& u, const ScalarJet& v) noexcept {
   Polar out;
-  const double r = std::hypot(u.value, v.value);
+  const double r = std::sqrt(u.value * u.value + v.value * v.value);
   if (!(r > 0.0)) return out;
   const double cosine = u.value / r, sine = v.value / r;
   const double dr = cosine * u.d1 + sine * v.d1;
