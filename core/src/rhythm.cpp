@@ -30,10 +30,10 @@ struct Scalar2 {
   double value, d1, d2;
 };
 
-template <int N>
+template <std::size_t N>
 Scalar2 polynomial(const double (&c)[N], double x) {
   Scalar2 p{c[N - 1], 0.0, 0.0};
-  for (int k = N - 2; k >= 0; --k) {
+  for (std::size_t k = N - 1; k-- > 0;) {
     p.d2 = p.d2 * x + 2.0 * p.d1;
     p.d1 = p.d1 * x + p.value;
     p.value = p.value * x + c[k];
