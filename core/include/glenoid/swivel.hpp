@@ -48,6 +48,12 @@ class ReachPlanner {
   /// @return NotFinite, TargetUnreachable, LimitsInfeasible, NoConvergence; the margins in `out` are valid for these too.
   Status plan_minimum_energy(const ArmModel& arm, const Posture& start, const Vec3& target, ReachPlan& out) noexcept;
 
+  /// As plan_minimum_energy for a target near that of an earlier path: the minimum that continues it is found by one local
+  /// solution; the global search runs only where that leaves the limits or does not converge (docs/equations.md, S5).
+  /// @param previous  path that `start` lies on, at previous_lambda; may be out.path
+  Status replan_minimum_energy(const ArmModel& arm, const Posture& start, const Vec3& target, const GeodesicPath& previous,
+                               double previous_lambda, ReachPlan& out) noexcept;
+
   /// The posture with the given swivel angle that is nearest to the start in energy.
   Status plan_prescribed(const ArmModel& arm, const Posture& start, const Vec3& target, double swivel_rad,
                          ReachPlan& out) noexcept;
@@ -55,7 +61,8 @@ class ReachPlanner {
   /// Given end posture. The wrist target is that of the end posture.
   Status plan_between(const ArmModel& arm, const Posture& start, const Posture& end, ReachPlan& out) noexcept;
 
-  /// Family of final postures over the whole self-motion with energies, `count` <= kMaxFamily of them, ordered by swivel.
+  /// Family of final postures over the whole self-motion with energies of the paths to them, `count` (2..kMaxFamily) of
+  /// them, ordered by swivel angle. @return also OutOfRange for a bad count.
   Status sample_family(const ArmModel& arm, const Posture& start, const Vec3& target, int count, Family& out) noexcept;
 
   struct Workspace;
