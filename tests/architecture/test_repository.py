@@ -3,7 +3,6 @@
 import re
 
 import pytest
-
 from repository import ROOT, TEXT, files_of, name_of
 
 AIM_LINES, MOST_LINES = 200, 400
@@ -13,10 +12,29 @@ LONG_FILES: dict[str, str] = {
     "cmake/requirements.txt": "a lock file",
 }
 SOURCES = (".cpp", ".hpp", ".h", ".py", ".sh", ".cmake", ".txt", ".xml")
-ROOT_ENTRIES = set(
-    "CMakeLists.txt core fmu lcm_types host tests modelDescription.xml README.md LICENSE CHANGELOG.md CONTRIBUTING.md "
-    "Makefile CMakePresets.json pyproject.toml .clang-format .ci cmake docs .git .gitignore build".split()
-)
+ROOT_ENTRIES = {
+    "CMakeLists.txt",
+    "core",
+    "fmu",
+    "lcm_types",
+    "host",
+    "tests",
+    "modelDescription.xml",
+    "README.md",
+    "LICENSE",
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+    "Makefile",
+    "CMakePresets.json",
+    "pyproject.toml",
+    ".clang-format",
+    ".ci",
+    "cmake",
+    "docs",
+    ".git",
+    ".gitignore",
+    "build",
+}
 # Paths of somebody's machine, and references to a tracker that a reader of the repository does not have.
 UNWANTED = re.compile(r"(?<![\w.}/$])/(work|home|root|Users)/\w|\b(TODO|FIXME|XXX)\b|\bissue #?\d", re.IGNORECASE)
 LABEL = re.compile(r"\b([A-Z])(\d{1,2})(?:-\1(\d{1,2}))?\b")
@@ -94,5 +112,7 @@ def test_every_equation_label_in_a_header_exists(header):
 
 @pytest.mark.parametrize("document", files_of(".", ".md"), ids=name_of)
 def test_links_to_files_resolve(document):
-    targets = [t for t in LINK.findall(document.read_text(encoding="utf-8")) if "://" not in t and not t.startswith("mailto:")]
+    targets = [
+        t for t in LINK.findall(document.read_text(encoding="utf-8")) if "://" not in t and not t.startswith("mailto:")
+    ]
     assert not [target for target in targets if not (document.parent / target).exists()]

@@ -3,7 +3,8 @@
 SI units and radians; frames and angles as in docs/conventions.md. The mathematics is in `glenoid._core` (C++).
 """
 
-from glenoid._core import Status, __version__
+from glenoid._core import Status
+from glenoid._core import version as __version__
 from glenoid.inputs import InputError, ReachInput, SubjectInput, load_reach, load_subject
 from glenoid.reach import Reach, plan_reach
 

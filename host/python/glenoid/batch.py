@@ -72,7 +72,7 @@ class BatchPlanner:
         return mirrored_if_left(np.asarray(points_m, dtype=float), self.common.subject)
 
     def arm(self, task: Task) -> _core.ArmModel:
-        """The arm of a task. A measured shoulder path replaces the rhythm; its end is the shoulder of the final posture."""
+        """The arm of a task. A measured shoulder path replaces the rhythm; its end is the final posture's shoulder."""
         lengths = task.subject.model_dump(exclude={"shoulder_start_m"}, exclude_none=True)
         subject = self.common.subject.model_copy(update=lengths)
         scaled = _core.scale_subject(core_subject(subject))

@@ -17,7 +17,8 @@ def describe_margin(margin: _core.LimitMargin) -> str:
     """One limit and how far away it is, deg."""
     side = "upper" if margin.at_upper else "lower"
     degrees = np.rad2deg(margin.margin_rad)
-    return f"{ANGLE_NAMES[margin.angle]}, {abs(degrees):.2f} deg {'inside' if degrees >= 0 else 'OUTSIDE'} its {side} limit"
+    where = "inside" if degrees >= 0 else "OUTSIDE"
+    return f"{ANGLE_NAMES[margin.angle]}, {abs(degrees):.2f} deg {where} its {side} limit"
 
 
 def describe_refusal(reach: Reach) -> str:
@@ -39,7 +40,7 @@ def warnings_for(reach: Reach) -> list[str]:
     if certificate.limits.any:
         out.append(
             f"the path leaves the joint limits on the way: {describe_margin(certificate.limits.worst)} "
-            f"at lambda = {certificate.limits.lambda_:.3f}; a geodesic knows no limits"
+            f"at lambda = {certificate.limits.at_lambda:.3f}; a geodesic knows no limits"
         )
     if not certificate.hessian_positive:
         out.append("the path was not shown to be a minimum: its second variation is not positive definite")

@@ -67,6 +67,7 @@ def plan_reach(reach: ReachInput, rate_hz: float = 100.0) -> Reach:
 
     Raises:
         InputError: the core refuses a setting; the text names variable, value, unit and rule.
+
     """
     generator = make_generator(reach)
     generator.command(0.0, np.array(reach.target_m))

@@ -65,7 +65,7 @@ def shoulder_shift(reach: ReachInput) -> Array:
     plain = make_generator(reach.model_copy(update={"start_shoulder_m": None}))
     start = _core.posture_from_angles(np.array(reach.start_rad))
     modelled = mirrored_if_left(plain.arm.rhythm.position(start.R_TU[:, 2]), reach.subject)
-    return np.array(reach.start_shoulder_m) - modelled
+    return np.asarray(np.array(reach.start_shoulder_m) - modelled, dtype=float)
 
 
 def numbered(name: str, values: Any) -> dict[str, float]:
@@ -127,6 +127,7 @@ def simulate(reach: ReachInput, fmu: Path, step_s: float, stop_s: float) -> Simu
 
     Raises:
         InputError: a setting that the FMU lacks, or the FMU refused; its messages are in the text.
+
     """
     shift = shoulder_shift(reach)
     messages: list[str] = []

@@ -61,7 +61,7 @@ def certificate_to_json(certificate: _core.Certificate) -> dict[str, Any]:
         "worst_margin_rad": worst.margin_rad,
         "worst_angle": ANGLE_NAMES[worst.angle],
         "at_upper": worst.at_upper,
-        "lambda": certificate.limits.lambda_,
+        "lambda": certificate.limits.at_lambda,
     }
     return {name: getattr(certificate, name) for name in names} | {"limits": limits}
 

@@ -129,7 +129,7 @@ void bind_motion(nb::module_& module) {
       .def("sample", &sample_motion, "time_s"_a,
            "Arrays with a row per time: q_rad, dq_rad_per_s, ddq_rad_per_s2, shoulder_m, elbow_m, wrist_m, girdle, "
            "swivel_rad, progress, energy_kg_m2, misalignment_m, status.",
-           nb::sig("def sample(self, time_s: NDArray) -> dict[str, NDArray]"))
+           nb::sig("def sample(self, time_s: NDArray[numpy.float64]) -> dict[str, NDArray[numpy.float64]]"))
       .def("set_duration", &set_duration, "duration_s"_a, "Duration of the movements accepted from now on, 0.05..60 s.")
       .def_prop_ro("message", &MotionGenerator::message)
       .def_prop_ro("path", &MotionGenerator::path)

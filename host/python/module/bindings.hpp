@@ -4,7 +4,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <utility>
 
 #include "glenoid/types.hpp"

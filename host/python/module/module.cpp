@@ -5,7 +5,7 @@ NB_MODULE(_core, module) {
   namespace nb = nanobind;
   using glenoid::Status;
   module.doc() = "Glenoid's mathematics. SI units and rad; frames and angles as in docs/conventions.md.";
-  module.attr("__version__") = GLENOID_VERSION;
+  module.attr("version") = GLENOID_VERSION;
   nb::enum_<Status>(module, "Status", "Result of a planning function; numbers are fixed for life.")
       .value("Ok", Status::Ok)
       .value("NotFinite", Status::NotFinite)

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 import typer
+from pydantic import BaseModel
 from rich.console import Console
 from rich.table import Table
 
@@ -17,7 +18,7 @@ from glenoid.inputs import InputError, ReachInput, SubjectInput, load_subject
 from glenoid.report import two_columns
 from glenoid.settings import core_subject
 
-SCHEMAS = {"reach": ReachInput, "subject": SubjectInput}
+SCHEMAS: dict[str, type[BaseModel]] = {"reach": ReachInput, "subject": SubjectInput}
 
 
 def rhythm_available(name: str) -> bool:
@@ -55,11 +56,15 @@ def gather(subject: SubjectInput) -> dict[str, Any]:
     """Everything that the command tells."""
     folder = fmu_folder()
     fmus = [
-        {"fmi": version, "path": str(folder / name), "sha256": sha256(folder / name) if (folder / name).is_file() else None}
+        {
+            "fmi": version,
+            "path": str(folder / name),
+            "sha256": sha256(folder / name) if (folder / name).is_file() else None,
+        }
         for version, name in FILES.items()
     ]
     return {
-        "version": _core.__version__,
+        "version": _core.version,
         "fmus": fmus,
         "rhythms": {name: rhythm_available(name) for name in ("Fixed", "SoltaniZarrin2017", "Measured")},
         "swivel_modes": {name: swivel_available(name) for name in ("MinimumEnergy", "Prescribed", "HumanPrior")},

@@ -94,5 +94,3 @@ def write_outputs(planned: Reach, csv: Path | None, plot: Path | None) -> None:
             draw_reach(planned, plot)
     except OSError as error:
         raise InputError(f"{error.filename}: {error.strerror}") from error
-
-

@@ -18,7 +18,17 @@ from glenoid.simulate import Simulation, difference_from_core
 from glenoid.simulate import simulate as run_fmu
 from glenoid.tables import motion_columns, to_text, write_csv
 
-NAMES = ("q_rad", "dq_rad_per_s", "ddq_rad_per_s2", "shoulder_m", "elbow_m", "wrist_m", "swivel_rad", "progress", "status")
+NAMES = (
+    "q_rad",
+    "dq_rad_per_s",
+    "ddq_rad_per_s2",
+    "shoulder_m",
+    "elbow_m",
+    "wrist_m",
+    "swivel_rad",
+    "progress",
+    "status",
+)
 
 
 def simulate(

@@ -1,0 +1,61 @@
+"""What the host tests share: the command line in this process, plain tasks, and the random source."""
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import hypothesis
+import pytest
+from glenoid.cli import main
+from glenoid.inputs import ReachInput
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLE = ROOT / "host/examples/reach_to_head.yaml"
+
+# GLENOID_TEST_COUNT cases per law; derandomised unless GLENOID_TEST_SEED asks for others.
+hypothesis.settings.register_profile(
+    "glenoid",
+    max_examples=int(os.environ.get("GLENOID_TEST_COUNT", "40")),
+    derandomize="GLENOID_TEST_SEED" not in os.environ,
+    deadline=None,
+    database=None,
+)
+hypothesis.settings.load_profile("glenoid")
+
+
+class Outcome(NamedTuple):
+    code: int
+    out: str
+    err: str
+
+    @property
+    def json(self):
+        return json.loads(self.out, parse_constant=lambda text: pytest.fail(f"{text} is no JSON"))
+
+
+@pytest.fixture
+def run(capsys, monkeypatch):
+    """Runs `glenoid ARGUMENTS` and returns exit status and output."""
+
+    def call(*arguments):
+        monkeypatch.setattr(sys, "argv", ["glenoid", *map(str, arguments)])
+        capsys.readouterr()
+        try:
+            code = main()
+        except SystemExit as stop:
+            code = stop.code or 0
+        out, err = capsys.readouterr()
+        return Outcome(code, out, err)
+
+    return call
+
+
+@pytest.fixture(scope="session")
+def plain_reach():
+    return ReachInput(start_q_deg=(15, -30, 30, 60), target_m=(0.20, 0.42, 0.25))
+
+
+def pytest_report_header():
+    return f"hypothesis: {hypothesis.settings().max_examples} examples a law"

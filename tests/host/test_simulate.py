@@ -1,0 +1,97 @@
+"""The FMUs through FMPy: the same numbers as the core."""
+
+import numpy as np
+import pytest
+from conftest import EXAMPLE
+from glenoid.fmus import fmu_path
+from glenoid.inputs import InputError, ReachInput, load_reach
+from glenoid.simulate import difference_from_core, output_names, simulate, start_values
+
+
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_fmu_gives_the_numbers_of_the_core(fmi, plain_reach):
+    done = simulate(plain_reach, fmu_path(fmi), 0.01, 1.7)
+    assert done.status == "Arrived"
+    assert difference_from_core(plain_reach, done) <= 1e-12
+
+
+def test_both_versions_are_equal_bit_for_bit(plain_reach):
+    two, three = (simulate(plain_reach, fmu_path(fmi), 0.01, 1.7) for fmi in ("2", "3"))
+    for name, values in two.samples.items():
+        assert np.array_equal(values, three.samples[name]), name
+
+
+def test_measured_shoulder_is_served_by_moving_the_reach():
+    reach = load_reach(EXAMPLE)
+    done = simulate(reach, fmu_path("3"), 0.01, reach.duration_s)
+    assert np.allclose(done.samples["shoulder_m"][0], reach.start_shoulder_m, rtol=0, atol=1e-12)
+    assert np.allclose(done.samples["wrist_m"][-1], reach.target_m, rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"subject": {"sex": "female", "stature_m": 1.6, "mass_kg": 60.0}},
+        {"subject": {"upper_arm_length_m": 0.3, "forearm_length_m": 0.25, "shoulder_distance_m": 0.15}},
+        {"subject": {"arm": "left"}, "target_m": (-0.20, 0.42, 0.25)},
+        {"rhythm": {"model": "Fixed"}},
+        {"rhythm": {"gain": 0.35, "smoothing_rad": 0.2}},
+        {"metric": "fixedShoulder"},
+        {"swivel": {"mode": "Prescribed", "prescribed_rad": 0.5}},
+        {"duration_s": 0.8},
+        {"start_q_deg": (40, -60, 50, 90)},
+        {"subject": {"limits_deg": {"elevation": [0, 80]}}},
+    ],
+    ids=str,
+)
+def test_every_setting_reaches_the_fmu(change):
+    reach = ReachInput.model_validate({"target_m": (0.20, 0.42, 0.25)} | change)
+    done = simulate(reach, fmu_path("3"), 0.02, 1.0)
+    plain = simulate(ReachInput(), fmu_path("3"), 0.02, 1.0)
+    assert difference_from_core(reach, done) <= 1e-12
+    changed = any(not np.array_equal(done.samples[name], plain.samples[name]) for name in done.samples)
+    assert changed or change == {"subject": {"limits_deg": {"elevation": [0, 80]}}}
+
+
+def test_outputs_are_those_of_the_description():
+    text = fmu_path("3").parents[2] / "modelDescription.xml"
+    names = text.read_text(encoding="utf-8") if text.is_file() else ""
+    assert not names or all(f'name="{name}"' in names for name in output_names())
+
+
+@pytest.mark.parametrize(
+    "change", [{"subject": {"forearm_mass_kg": 1.6}}, {"timing": "MinimumJerkHand"}], ids=["mass", "timing"]
+)
+def test_settings_that_the_fmu_lacks_are_refused(change):
+    with pytest.raises(InputError, match="glenoid plan"):
+        start_values(ReachInput.model_validate(change), np.zeros(3))
+
+
+def test_command_writes_and_compares(run, tmp_path):
+    file, picture = tmp_path / "s.csv", tmp_path / "s.png"
+    done = run("simulate", EXAMPLE, "--fmi", "2", "--csv", file, "--plot", picture, "--json")
+    assert done.code == 0
+    data = done.json
+    assert data["fmi_version"] == "2.0"
+    assert data["status"] == "Arrived"
+    assert len(data["q_rad"]) == len(data["time_s"]) == len(file.read_text().splitlines()) - 1
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_refused_target_is_a_negative_verdict(run):
+    done = run("simulate", "--target-m", "2,2,2", "--json")
+    assert done.code == 1
+    assert done.json["status"] == "TargetUnreachable"
+
+
+def test_what_the_fmu_refuses_is_an_input_error_with_its_words(run):
+    done = run("simulate", "--rhythm", "Measured")
+    assert done.code == 2
+    assert "Measured" in done.err or "rhythm" in done.err
+
+
+def test_missing_fmu_says_how_to_get_it(run, monkeypatch, tmp_path):
+    monkeypatch.setenv("GLENOID_FMU_DIR", str(tmp_path))
+    done = run("simulate")
+    assert done.code == 2
+    assert "make build" in done.err
