@@ -69,7 +69,7 @@ class Instance {
   void log_lines(Outcome outcome, const char* function, const std::string& lines) const;
 
   Log log_;
-  Snapshot state_;                          ///< without `motion`, which lives in the generator
+  Snapshot state_{};                        ///< without `motion`, which lives in the generator
   std::optional<MotionGenerator> generator_;
   Values built_from_{};                     ///< values of which generator_ was built
   double built_start_s_ = 0.0;

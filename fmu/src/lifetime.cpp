@@ -11,7 +11,7 @@ const Snapshot* snapshot_of(const void* state) noexcept { return static_cast<con
 
 Outcome get_state(const Instance& instance, const char* function, void** state) {
   if (state == nullptr) return instance.refuse(function, kNull);
-  if (*state == nullptr) *state = new Snapshot;
+  if (*state == nullptr) *state = new Snapshot();
   instance.save(*static_cast<Snapshot*>(*state));
   return Outcome::Ok;
 }

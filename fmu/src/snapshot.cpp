@@ -100,6 +100,12 @@ void visit_member(Visitor& visit, Member& member) noexcept {
     visit(member);
   } else if constexpr (std::is_same_v<Type, GeodesicPath>) {
     visit_path(visit, member);
+  } else if constexpr (std::is_same_v<Type, HandClock>) {
+    auto& [legendre] = member;
+    visit_all(visit, legendre);
+  } else if constexpr (std::is_same_v<Type, ExoGuide>) {
+    auto& [branch, shoulder_q] = member;
+    visit_all(visit, branch, shoulder_q);
   } else if constexpr (std::is_same_v<Type, LimitMargin>) {
     auto& [margin, angle, at_upper] = member;
     visit_all(visit, margin, angle, at_upper);
@@ -112,25 +118,25 @@ void visit_member(Visitor& visit, Member& member) noexcept {
     visit_all(visit, step, gradient, positive, tail, variation, hand, transversality, at_limit, angle, long_way, order,
               iterations, limits);
   } else {
-    for (Eigen::Index k = 0; k < member.size(); ++k) visit(member.data()[k]);
+    for (auto k = member.size() * 0; k < member.size(); ++k) visit_member(visit, member.data()[k]);  // array or matrix
   }
 }
 
 template <class Visitor, class Motion>
 void visit_motion(Visitor& visit, Motion& motion) noexcept {
-  auto& [start_time, duration, next_duration, move_time, stop_time, stop_duration, moving, stopping, status_after,
-         target_known, mirrored, message_code, target, refused_target, fade_w, fade_dw, fade_dphi, fade_ddphi, near_q,
-         shoulder_start, path, certificate] = motion;
-  visit_all(visit, start_time, duration, next_duration, move_time, stop_time, stop_duration, moving, stopping,
-            status_after, target_known, mirrored, message_code, target, refused_target, fade_w, fade_dw, fade_dphi,
-            fade_ddphi, near_q, shoulder_start, path, certificate);
+  auto& [move_time, duration, next_duration, stop_time, stop_duration, fade_duration, moving, stopping, rest_status,
+         target_known, refused, hand_timing, target, refused_target, fade_w, fade_dw, fade_dphi, fade_ddphi, guide_q,
+         hand_clock, exo_guide, path, certificate] = motion;
+  visit_all(visit, move_time, duration, next_duration, stop_time, stop_duration, fade_duration, moving, stopping,
+            rest_status, target_known, refused, hand_timing, target, refused_target, fade_w, fade_dw, fade_dphi, fade_ddphi,
+            guide_q, hand_clock, exo_guide, path, certificate);
 }
 
 template <class Visitor, class Shot>
 void visit_snapshot(Visitor& visit, Shot& snapshot) noexcept {
   auto& [phase, stop_defined, has_motion, inputs_changed, start_time, stop_time, time, values, motion] = snapshot;
   visit_all(visit, phase, stop_defined, has_motion, inputs_changed, start_time, stop_time, time);
-  for (auto& value : values) visit(value);
+  visit_all(visit, values);
   if (has_motion) visit_motion(visit, motion);
 }
 
