@@ -54,7 +54,7 @@ class RateSolver {
     Mat3 J;
     J << g.a[0], state.b2, state.b3;
     const Vec3 v = null_direction(J);
-    inverse_ = (J.transpose() * J + v * v.transpose()).inverse() * (Mat3::Identity() - v * v.transpose()) * J.transpose();
+    inverse_ = (J.transpose() * J + v * v.transpose()).inverse() * J.transpose();
   }
   [[nodiscard]] Vec3 operator()(const Vec3& b) const noexcept { return inverse_ * b; }
 

@@ -16,16 +16,14 @@ struct RotationJet {
   Vec3 w, alpha;
 };
 
-/// v/|v| with derivatives, in place.
+/// v/|v| with derivatives, in place. The second lacks its part along v, which no angular acceleration needs.
 void normalize_jet(Vec3& v, Vec3& dv, Vec3& ddv) noexcept {
   const double f = 1.0 / v.norm();
   v *= f;
   dv *= f;
-  ddv *= f;
-  const double rate = v.dot(dv);                               // of the length, relative
-  const double rate2 = v.dot(ddv) + dv.dot(dv) - rate * rate;  // second derivative of the length, relative
-  ddv += (2.0 * rate * rate - rate2) * v - 2.0 * rate * dv;
+  const double rate = v.dot(dv);   // of the length, relative
   dv -= rate * v;
+  ddv = f * ddv - 2.0 * rate * dv;
 }
 
 /// Upper arm from the columns x and z, orthonormalised together with their derivatives so that rates are exact (X4).
@@ -36,8 +34,8 @@ Status upper_arm_jet(const PostureJet& posture, RotationJet& out) noexcept {
   if (!std::isfinite(error)) return Status::NotFinite;
   if (error > kTolerance) return Status::OutOfRange;
   normalize_jet(z, dz, ddz);
-  const double g = x.dot(z), dg = dx.dot(z) + x.dot(dz), ddg = ddx.dot(z) + 2.0 * dx.dot(dz) + x.dot(ddz);
-  ddx -= ddg * z + 2.0 * dg * dz + g * ddz;
+  const double g = x.dot(z), dg = dx.dot(z) + x.dot(dz);
+  ddx -= 2.0 * dg * dz + g * ddz;   // the part along z drops out of everything below
   dx -= dg * z + g * dz;
   x -= g * z;
   normalize_jet(x, dx, ddx);

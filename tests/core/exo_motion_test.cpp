@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "exo_probe.hpp"
+#include "glenoid/geodesic.hpp"
 #include "glenoid/kinematics.hpp"
 #include "support/allocation_guard.hpp"
 #include "support/arms.hpp"
@@ -15,14 +16,18 @@ namespace {
 
 const Vec3 kCentre(0.17, -0.02, 0.01);
 
-ExoSample sample_at(const ExoModel& model, const SmoothMotion& motion, const ExoGuide& guide, double s) {
+ExoSample sample_at(const ExoModel& model, const JetSource& motion, const ExoGuide& guide, double s) {
   PostureJet posture;
   PointJet centre;
-  motion.evaluate(s, posture, centre);
+  motion.evaluate(motion.context, s, posture, centre);
   ExoSample out;
   const Status status = map_to_exo(model, guide.branch, posture, centre, guide_angles(guide, s), out);
   EXPECT_TRUE(status == Status::Ok || status == Status::ExoInfeasible) << to_string(status);
   return out;
+}
+
+ExoSample sample_at(const ExoModel& model, const SmoothMotion& motion, const ExoGuide& guide, double s) {
+  return sample_at(model, motion.source(), guide, s);
 }
 
 ExoStart start_of(const ExoModel& model, const SmoothMotion& motion, ExoBranch branch = ExoBranch::First) {
@@ -39,7 +44,7 @@ ExoStart start_of(const ExoModel& model, const SmoothMotion& motion, ExoBranch b
 }
 
 /// Largest change of the shoulder joints over a fine grid that their rates do not account for (Simpson's rule).
-double largest_jump(const ExoModel& model, const SmoothMotion& motion, const ExoGuide& guide, int steps) {
+double largest_jump(const ExoModel& model, const JetSource& motion, const ExoGuide& guide, int steps) {
   double worst = 0.0;
   ExoSample a = sample_at(model, motion, guide, 0.0);
   for (int k = 0; k < steps; ++k) {
@@ -69,13 +74,77 @@ TEST(ExoMotion, JointsAreContinuousAlongEveryAcceptedMotionInBothBranches) {
     if (status != Status::Ok) continue;
     ASSERT_EQ(check.start_step_rad, 0.0);
     // the least jump is a change of branch, 2 * 0.1 rad; Simpson's error at 0.1 rad from the singular set stays far below
-    ASSERT_LE(largest_jump(model, motion, check.guide, 200), 0.05) << "case " << k;
+    ASSERT_LE(largest_jump(model, motion.source(), check.guide, 200), 0.05) << "case " << k;
     const Vec3 travel = guide_angles(check.guide, 1.0) - guide_angles(check.guide, 0.0);
     wound += travel.cwiseAbs().maxCoeff() > kPi ? 1 : 0;
   }
   EXPECT_GT(accepted, count / 10);
   EXPECT_GT(refused, count / 10);
   EXPECT_GT(wound, count / 1000);  // turns of more than pi, which a fixed reference could not unwrap, do occur
+}
+
+/// A geodesic with the shoulder's rhythm, evaluated without the help of check_path.
+struct GeodesicMotion {
+  GeodesicPath path;
+  Rhythm rhythm;
+
+  [[nodiscard]] JetSource source() const {
+    return {[](const void* self, double s, PostureJet& posture, PointJet& centre) noexcept {
+              const auto& motion = *static_cast<const GeodesicMotion*>(self);
+              evaluate_path(motion.path, s, posture);
+              shoulder_centre_jet(motion.rhythm, posture, centre);
+            },
+            this};
+  }
+};
+
+Posture random_posture_within_limits(Random& random) {
+  const JointLimits limits;
+  Vec4 q;
+  for (int i = 0; i < 4; ++i) q[i] = random.uniform(limits.lower[i], limits.upper[i]);
+  q[kZeta] -= q[kEta];  // drawn as tau
+  return posture_from_angles(q);
+}
+
+TEST(ExoMotion, JointsAreContinuousAndGeodesicsReversibleForEveryAcceptedPath) {
+  Random random(29);
+  const ArmModel arm = default_arm();
+  GeodesicSolver solver;
+  Certificate certificate;
+  const int count = test_count(10'000);
+  int accepted = 0;
+  for (int k = 0; k < count; ++k) {
+    ExoSettings device = random_device(random, 0.6);
+    device.min_singularity_rad = 0.1;
+    const Posture from = random_posture_within_limits(random), to = random_posture_within_limits(random);
+    GeodesicMotion motion{{}, arm.rhythm};
+    if (solver.solve(arm, from, to, GeodesicOptions(), nullptr, motion.path, certificate) != Status::Ok) continue;  // the solver has tests of its own
+    const ExoModel model(device, arm.rhythm.position(from.R_TU.col(2)));
+    ExoStart start;
+    if (choose_branch(model, from, arm.rhythm.position(from.R_TU.col(2)), std::nullopt, start) != Status::Ok) continue;
+    if (k % 2 == 1) start.branch = start.branch == ExoBranch::First ? ExoBranch::Second : ExoBranch::First;
+    ExoPathCheck check;
+    const Status status = check_path(model, motion.path, arm.rhythm, start, false, check);
+    ASSERT_TRUE(status == Status::Ok || status == Status::ExoInfeasible) << to_string(status);
+    if (status != Status::Ok) continue;
+    ++accepted;
+    ASSERT_LE(largest_jump(model, motion.source(), check.guide, 100), 0.05) << "case " << k;
+
+    GeodesicMotion back{{}, arm.rhythm};
+    back.path = motion.path;
+    const auto order = static_cast<std::size_t>(back.path.order);
+    for (std::size_t i = 0; i <= order; ++i) back.path.nodes[i] = motion.path.nodes[order - i];
+    finish_path(back.path);
+    ExoPathCheck again;
+    const ExoStart end{check.guide.branch, guide_angles(check.guide, 1.0), 0.0};
+    ASSERT_EQ(check_path(model, back.path, arm.rhythm, end, false, again), Status::Ok) << "case " << k;
+    const double s = random.uniform(0.0, 1.0);
+    const ExoSample a = sample_at(model, motion.source(), check.guide, s), b = sample_at(model, back.source(), again.guide, 1.0 - s);
+    // interpolation rounds to about order * eps; within 0.1 rad of the singular set T magnifies it by less than 1000
+    ASSERT_LE(max_difference(a.q, b.q), 1e-10) << "case " << k;
+    ASSERT_LE(max_difference(a.dq, -b.dq), 1e-7 * (1.0 + a.dq.norm())) << "case " << k;
+  }
+  EXPECT_GT(accepted, count / 5);
 }
 
 TEST(ExoMotion, ReversingAMotionReversesTheJoints) {

@@ -104,6 +104,7 @@ TEST(Transformation, MarginIsTheLeastRotationToTheEdgeOfTheFeasibleSet) {
     const Mat3 moved = turn(a1.cross(t), to_most ? here.margin_rad : -here.margin_rad) * R_TU;
     static_cast<void>(shoulder_joints(model, R_TB, moved, ExoBranch::First, zero, there));
     ASSERT_NEAR(there.margin_rad, 0.0, 32.0 * kEps / std::sin(here.axis_angle_rad)) << "case " << k;
+    ASSERT_NEAR(algebraic_slack(model.settings(), R_TB.transpose() * moved * model.R_LU().transpose()), 0.0, 64.0 * kEps);
   }
 }
 
@@ -186,10 +187,13 @@ TEST_P(Derivatives, AreThoseOfTheJoints) {
       PointJet centre;
       motion.evaluate(at, jet, centre);
       if (skewed) {
-        jet.ddx = jet.ddx * (1.0 + 1e-3 * at) + 2e-3 * jet.dx + 1e-3 * jet.ddz;
-        jet.dx = jet.dx * (1.0 + 1e-3 * at) + 1e-3 * jet.x + 1e-3 * jet.dz;
-        jet.x = jet.x * (1.0 + 1e-3 * at) + 1e-3 * jet.z;
-        jet.ddz *= 1.001, jet.dz *= 1.001, jet.z *= 1.001;
+        const double f = 1.0 + 1e-3 * at, g = 1e-3 * at;
+        jet.ddx = f * jet.ddx + 2e-3 * jet.dx + 2e-3 * jet.dz + g * jet.ddz;
+        jet.dx = f * jet.dx + 1e-3 * jet.x + 1e-3 * jet.z + g * jet.dz;
+        jet.x = f * jet.x + g * jet.z;
+        jet.ddz = f * jet.ddz + 2e-3 * jet.dz;
+        jet.dz = f * jet.dz + 1e-3 * jet.z;
+        jet.z *= f;
       }
       return map_to_exo(model, branch, jet, centre, Vec3::Zero(), out);
     };
