@@ -190,11 +190,15 @@ class Walk {
     return false;
   }
 
-  [[nodiscard]] Status verdict() const noexcept {
-    const bool reachable = out_.margin_rad >= -kFeasibleRounding;
-    const bool regular = out_.singularity_rad >= model_.settings().min_singularity_rad;
-    const bool within = out_.limit_margin_rad >= -kLimitRounding;
-    return reachable && regular && within ? Status::Ok : Status::ExoInfeasible;
+  Status verdict() noexcept {
+    if (out_.margin_rad < -kFeasibleRounding) {
+      out_.refusal = ExoRefusal::OutOfReach;
+    } else if (out_.singularity_rad < model_.settings().min_singularity_rad) {
+      out_.refusal = ExoRefusal::Singular;
+    } else if (out_.limit_margin_rad < -kLimitRounding) {
+      out_.refusal = ExoRefusal::JointLimit;
+    }
+    return out_.refusal == ExoRefusal::None ? Status::Ok : Status::ExoInfeasible;
   }
 
   const ExoModel& model_;
@@ -250,9 +254,8 @@ Status check_motion(const ExoModel& model, const JetSource& motion, const ExoSta
                     ExoPathCheck& out) noexcept {
   if (!start.shoulder_q.allFinite()) return Status::NotFinite;
   const Status status = Walk(model, motion, start.branch, out).run(start.shoulder_q);
-  const bool only_limits = status == Status::ExoInfeasible && out.margin_rad >= -kFeasibleRounding &&
-                           out.singularity_rad >= model.settings().min_singularity_rad;
-  if (!try_other_branch || !only_limits) return status;   // reach and singularity are the same for both
+  // Reach and singularity are the same for both branches.
+  if (!try_other_branch || status == Status::Ok || out.refusal != ExoRefusal::JointLimit) return status;
   const ExoBranch branch = start.branch == ExoBranch::First ? ExoBranch::Second : ExoBranch::First;
   ExoPathCheck other;
   const Status answer = Walk(model, motion, branch, other).run(other_start(model, motion, branch, start.shoulder_q));

@@ -42,7 +42,7 @@ void validate_axes(const std::array<Vec3, 3>& axes, Problems& problems) {
 
 void validate_joints(const ExoSettings& settings, Problems& problems) {
   for (int i = 0; i < 6; ++i) {
-    const std::string joint = std::string("[") + kJointNames[static_cast<std::size_t>(i)] + "]";
+    const std::string joint = std::string("[") + exo_joint_name(i) + "]";
     const double lower = settings.lower[i], upper = settings.upper[i];
     problems.require(!std::isnan(lower), "exo.lower" + joint, lower, "rad", "must be a number");
     problems.require(!std::isnan(upper), "exo.upper" + joint, upper, "rad", "must be a number");
@@ -116,6 +116,10 @@ ShoulderGeometry shoulder_geometry(const std::array<Vec3, 3>& a, const Mat3& R_L
 }
 
 }  // namespace
+
+const char* exo_joint_name(int joint) noexcept {
+  return joint >= 0 && joint < 6 ? kJointNames[static_cast<std::size_t>(joint)] : "unknown joint";
+}
 
 ExoModel::ExoModel(const ExoSettings& settings, const Vec3& p_TS_ref) : settings_(settings) {
   validate(settings, p_TS_ref);

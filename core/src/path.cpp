@@ -11,6 +11,16 @@
 namespace glenoid {
 namespace {
 
+/// P_(n+1) = a x P_n - b P_(n-1)
+struct Recurrence {
+  double a, b;
+};
+constexpr auto kRecurrence = [] {
+  std::array<Recurrence, kMaxPathOrder + 1> table{};
+  for (int n = 0; n <= kMaxPathOrder; ++n) table[static_cast<std::size_t>(n)] = {(2.0 * n + 1.0) / (n + 1.0), n / (n + 1.0)};
+  return table;
+}();
+
 void channels(const Posture& p, double (&f)[8]) {
   for (int r = 0; r < 3; ++r) {
     f[r] = p.R_TU(r, 0);
@@ -18,6 +28,28 @@ void channels(const Posture& p, double (&f)[8]) {
   }
   f[6] = p.phi;
   f[7] = 0.0;
+}
+
+/// Makes the columns those of a rotation, with their derivatives: z unit, x unit and normal to z.
+void orthonormalise(PostureJet& j) {
+  const auto normalise = [](Vec3& v, Vec3& dv, Vec3& ddv) {
+    const double inverse = 1.0 / v.norm();
+    v *= inverse;
+    dv *= inverse;
+    ddv *= inverse;
+    const double a = v.dot(dv);
+    const double b = dv.squaredNorm() + v.dot(ddv) - a * a;   // second derivative of the norm, over the norm
+    ddv += (2.0 * a * a - b) * v - 2.0 * a * dv;
+    dv -= a * v;
+  };
+  normalise(j.z, j.dz, j.ddz);
+  const double c = j.z.dot(j.x);
+  const double dc = j.dz.dot(j.x) + j.z.dot(j.dx);
+  const double ddc = j.ddz.dot(j.x) + 2.0 * j.dz.dot(j.dx) + j.z.dot(j.ddx);
+  j.ddx -= ddc * j.z + 2.0 * dc * j.dz + c * j.ddz;
+  j.dx -= dc * j.z + c * j.dz;
+  j.x -= c * j.z;
+  normalise(j.x, j.dx, j.ddx);
 }
 
 /// Angle a, moved by whole turns to within pi of `near`.
@@ -80,8 +112,7 @@ void evaluate_path(const GeodesicPath& path, double lambda, PostureJet& out) noe
       d[i] += d1 * row[i];
       dd[i] += s1 * row[i];
     }
-    const double a = (2.0 * n + 1.0) / (n + 1.0), b = n / (n + 1.0);
-    const double p2 = a * x * p1 - b * p0;
+    const double p2 = kRecurrence[static_cast<std::size_t>(n)].a * x * p1 - kRecurrence[static_cast<std::size_t>(n)].b * p0;
     const double d2 = d0 + (2.0 * n + 1.0) * p1;  // P'_(n+1) = P'_(n-1) + (2n+1) P_n
     const double s2 = s0 + (2.0 * n + 1.0) * d1;
     p0 = p1, d0 = d1, s0 = s1;
@@ -97,17 +128,16 @@ void evaluate_path(const GeodesicPath& path, double lambda, PostureJet& out) noe
   out.phi = v[6];
   out.dphi = 2.0 * d[6];
   out.ddphi = 4.0 * dd[6];
+  orthonormalise(out);
 }
 
 Posture path_posture(const GeodesicPath& path, double lambda) noexcept {
   PostureJet jet;
   evaluate_path(path, lambda, jet);
   Posture p;
-  const Vec3 z = jet.z.normalized();
-  const Vec3 x = (jet.x - z * z.dot(jet.x)).normalized();
-  p.R_TU.col(0) = x;
-  p.R_TU.col(1) = z.cross(x);
-  p.R_TU.col(2) = z;
+  p.R_TU.col(0) = jet.x;
+  p.R_TU.col(1) = jet.z.cross(jet.x);
+  p.R_TU.col(2) = jet.z;
   p.phi = jet.phi;
   return p;
 }

@@ -172,8 +172,15 @@ ExoGuide resting_guide(const ExoStart& start) noexcept;
 /// Angles to unwrap against at s, clamped to [0, 1].
 Vec3 guide_angles(const ExoGuide& guide, double s) noexcept;
 
+/// Why a motion was refused; the first that applies.
+enum class ExoRefusal : int { None = 0, OutOfReach = 1, Singular = 2, JointLimit = 3 };
+
+/// Name of a joint, as in messages ("GirdleProtraction", ..., "Elbow"). Never null.
+const char* exo_joint_name(int joint) noexcept;
+
 /// What was found on the way; `at` is the parameter of each worst value.
 struct ExoPathCheck {
+  ExoRefusal refusal = ExoRefusal::None;
   ExoGuide guide;                  ///< branch that serves (or the wanted one if none) and its unwrapped angles
   bool other_branch = false;       ///< the guide's branch is not the wanted one
   double start_step_rad = 0.0;     ///< largest distance of the shoulder joints at the start from start.shoulder_q

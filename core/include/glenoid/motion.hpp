@@ -1,10 +1,11 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
-#include <type_traits>
 
 #include "glenoid/exoskeleton.hpp"
+#include "glenoid/hand_clock.hpp"
 #include "glenoid/swivel.hpp"
 #include "glenoid/timing.hpp"
 
@@ -56,7 +57,7 @@ struct MotionSample {
   MotionStatus status = MotionStatus::Idle;
 };
 
-/// Everything that changes while running; trivially copyable, so that saving and restoring is a copy.
+/// Everything that changes while running, as plain values: saving and restoring is a copy.
 struct MotionState;
 
 /// Plans and samples movements of one arm: the facade that FMU, command line and bridge use.
@@ -103,25 +104,27 @@ class MotionGenerator {
 };
 
 struct MotionState {
-  double start_time_s = 0.0;
-  double duration_s = 0.0;          ///< of the current movement
-  double next_duration_s = 0.0;     ///< of movements accepted from now on
+  static constexpr int kGuide = 32;
   double move_time_s = 0.0;         ///< when the current movement was accepted
+  double duration_s = 1.0;          ///< of the current movement
+  double next_duration_s = 1.0;     ///< of movements accepted from now on
   double stop_time_s = 0.0;         ///< when the controlled stop began
   double stop_duration_s = 0.0;
+  double fade_duration_s = 0.0;     ///< 0: nothing of an earlier motion is left
   int moving = 0;                   ///< a movement was accepted
   int stopping = 0;
-  int status_after = 0;             ///< MotionStatus once at rest
-  int target_known = 0;
-  int mirrored = 0;                 ///< left arm
-  int message_code = 0;
-  Vec3 target = Vec3::Zero();       ///< last accepted
+  int rest_status = 1;              ///< MotionStatus once at rest
+  int target_known = 0;             ///< `target` was accepted and not given up since
+  int refused = 0;                  ///< `refused_target` was the last one refused
+  int hand_timing = 0;              ///< the hand clock below is in use
+  Vec3 target = Vec3::Zero();       ///< last accepted, right-arm frame
   Vec3 refused_target = Vec3::Zero();
-  /// Earlier motion fading out after a re-plan: body rates and accelerations at move_time_s.
+  /// Earlier motion fading out after a re-plan: body rates and accelerations at move_time_s (T3).
   Vec3 fade_w = Vec3::Zero(), fade_dw = Vec3::Zero();
   double fade_dphi = 0.0, fade_ddphi = 0.0;
-  Vec4 near_q = Vec4::Zero();       ///< angles at the start of the movement, for unwrapping
-  Vec3 shoulder_start = Vec3::Zero();
+  std::array<Vec4, kGuide + 1> guide_q{};   ///< unwrapped q at uniform times of the movement
+  HandClock hand_clock;
+  ExoGuide exo_guide;
   GeodesicPath path;
   Certificate certificate;
 };

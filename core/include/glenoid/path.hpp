@@ -31,8 +31,8 @@ void make_constant_path(const Posture& posture, GeodesicPath& out) noexcept;
 /// Fills the coefficients of a path from its nodes. @alloc none
 void finish_path(GeodesicPath& path) noexcept;
 
-/// Posture and its first and second derivative with respect to lambda, clamped to [0, 1]. The columns are orthonormal to
-/// the interpolation error. @alloc none @cost about 0.1 us for order 16
+/// Posture and its first and second derivative with respect to lambda, clamped to [0, 1]. The columns are
+/// exactly orthonormal, derivatives included. @alloc none @cost about 0.1 us for order 16
 void evaluate_path(const GeodesicPath& path, double lambda, PostureJet& out) noexcept;
 
 /// The posture alone, with an exact rotation matrix.
