@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 Q0 = [0.26, -0.52, 0.52, 1.05]
-TARGET = [0.20, 0.42, 0.25]
+TARGET = [0.20, 0.36, 0.15]
 GOOD = {"id": "good", "q0": Q0, "target": TARGET}
 KEYS = {"id", "status", "q", "shoulder", "elbow", "wrist", "swivel", "energy", "iterations", "solve_us"}
 

@@ -104,7 +104,8 @@ def test_reversal_gives_the_reversed_path():
 
 
 def test_following_the_start_rates_arrives():
-    path = plan_between().path
+    status, path = _core.refine_path(ARM, plan_between().path, 1e-12)
+    assert status == _core.Status.Ok
     status, shot = _core.follow_geodesic(ARM, path.posture(0.0), path.start_rates())
     assert status == _core.Status.Ok
     assert np.allclose(shot.postures[-1].R_TU, path.posture(1.0).R_TU, rtol=0, atol=1e-7)
@@ -153,12 +154,13 @@ def test_arrays_of_the_wrong_shape_are_refused(wrong):
 
 
 @pytest.mark.parametrize(
-    ("field", "value", "unit"), [("stature_m", 0.0, "m"), ("mass_kg", -1.0, "kg"), ("forearm_length_m", 0.0, "m")]
+    ("field", "value", "words"),
+    [("stature_m", 0.0, "stature.*0 m"), ("mass_kg", -1.0, "mass.*-1 kg"), ("forearm_length_m", 0.0, "forearm.*0 m")],
 )
-def test_errors_name_variable_value_and_unit(field, value, unit):
+def test_errors_name_variable_value_and_unit(field, value, words):
     subject = _core.Subject()
     setattr(subject, field, value)
-    with pytest.raises(ValueError, match=rf"{field.rsplit('_', 1)[0]}.*{value:g} {unit}"):
+    with pytest.raises(ValueError, match=words):
         _core.scale_subject(subject)
 
 

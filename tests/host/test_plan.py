@@ -61,7 +61,7 @@ def test_verification_notices_a_wrong_path(plain_reach, monkeypatch):
 
 
 def bent(rates):
-    rates.phi = rates.phi * 1.0001
+    rates.phi = rates.phi * 1.00001
     return rates
 
 

@@ -68,7 +68,8 @@ def certificate_table(reach: Reach, verification: Verification | None) -> Table:
     table.add_row("homotopy class", f"{'LONG' if certificate.long_way else 'short'} way, rotation {angle:.1f} deg")
     table.add_row("nearest limit on way", describe_margin(certificate.limits.worst))
     if verification is not None:
-        verdict = "arrives" if verification.passed else "MISSES"
-        text = f"{verdict} within {verification.arrival_rad:.1e} rad, energy drift {verification.energy_drift:.1e}"
+        verdict = "agrees" if verification.passed else "DISAGREES"
+        text = f"{verdict}: arrives within {verification.arrival_rad:.1e} rad, path off by {verification.deviation_rad:.1e}"
+        text += f" rad at most, energy drift {verification.energy_drift:.1e}"
         table.add_row("shot with CVODE", text)
     return table

@@ -79,6 +79,7 @@ def reach_to_json(reach: Reach, verification: Verification | None = None) -> dic
         out["verification"] = {
             "passed": verification.passed,
             "arrival_rad": verification.arrival_rad,
+            "deviation_rad": verification.deviation_rad,
             "energy_drift": verification.energy_drift,
         }
     names = ("q_rad", "dq_rad_per_s", "ddq_rad_per_s2", "shoulder_m", "elbow_m", "wrist_m", *SCALARS)

@@ -141,6 +141,15 @@ Planned plan_between(ReachPlanner& planner, const ArmModel& arm, const Posture& 
   return out;
 }
 
+std::pair<Status, GeodesicPath> refine_path(const ArmModel& arm, const GeodesicPath& path, double tail_tolerance) {
+  const GeodesicOptions options{.tail_tolerance = tail_tolerance};
+  std::pair<Status, GeodesicPath> out;
+  Certificate certificate;
+  GeodesicSolver solver;
+  out.first = solver.solve(arm, path_posture(path, 0.0), path_posture(path, 1.0), options, &path, out.second, certificate);
+  return out;
+}
+
 nb::tuple sample_family(ReachPlanner& planner, const ArmModel& arm, const Posture& start, const Vec3& target,
                         int count) {
   if (count < 2 || count > kMaxFamily) {
@@ -156,6 +165,8 @@ nb::tuple sample_family(ReachPlanner& planner, const ArmModel& arm, const Postur
 }
 
 void bind_reach_planner(nb::module_& module) {
+  module.def("refine_path", &refine_path, "arm"_a, "path"_a, "tail_tolerance"_a, Release(),
+             "The same geodesic on as many nodes as bring its spectral tail below the tolerance, at most 65.");
   nb::class_<ReachPlan>(module, "ReachPlan")
       .def(nb::init<>())
       .def_ro("path", &ReachPlan::path)
