@@ -211,6 +211,7 @@ TEST(ExoMotion, WorstDistancesAreFoundBetweenTheSamples) {
     ASSERT_LE(check.margin_rad, truth.margin + 2e-5) << "case " << k;
     ASSERT_GE(check.margin_rad, truth.margin - 2e-3) << "case " << k;
     ASSERT_EQ(status, check.margin_rad < -1e-12 ? Status::ExoInfeasible : Status::Ok) << "case " << k;
+    ASSERT_EQ(check.refusal, status == Status::Ok ? ExoRefusal::None : ExoRefusal::OutOfReach) << "case " << k;
     PostureJet posture;
     PointJet centre;
     motion.evaluate(check.margin_at, posture, centre);
@@ -270,6 +271,7 @@ TEST(ExoMotion, OtherBranchAnswersWhereItMayAndTheLimitsAllowIt) {
     if (check_motion(model, motion.source(), first, false, check) == Status::Ok) continue;
     ++used;
     EXPECT_LT(check.limit_margin_rad, 0.0);
+    EXPECT_EQ(check.refusal, ExoRefusal::JointLimit);
     EXPECT_EQ(check.guide.branch, ExoBranch::First);
     ASSERT_EQ(check_motion(model, motion.source(), first, true, check), Status::Ok) << "case " << k;
     EXPECT_EQ(check.guide.branch, ExoBranch::Second);
@@ -305,6 +307,7 @@ TEST(ExoMotion, NearerToTheSingularSetThanAllowedIsRefusedWithThePlace) {
               least < 0.05 ? Status::Ok : Status::ExoInfeasible);
     EXPECT_NEAR(check.singularity_rad, 0.05, 1e-5);
     EXPECT_NEAR(check.singularity_at, 0.5, 1e-2);
+    EXPECT_EQ(check.refusal, least < 0.05 ? ExoRefusal::None : ExoRefusal::Singular);
   }
 }
 
