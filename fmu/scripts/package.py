@@ -118,7 +118,7 @@ def write_archive(path: Path, files: Files) -> None:
 
 def parse_arguments() -> argparse.Namespace:
     """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, fromfile_prefix_chars="@")
     parser.add_argument("--root", type=Path, required=True, help="source tree")
     parser.add_argument("--version", required=True, help="must be the version in modelDescription.xml")
     parser.add_argument("--output", type=Path, required=True, help="folder of the archives")
