@@ -7,11 +7,11 @@ import jsonschema
 import numpy as np
 import pytest
 import yaml
-from conftest import EXAMPLE, ROOT
 from glenoid import _core
 from glenoid.inputs import ReachInput, load_reach, load_subject
 from glenoid.reach import plan_reach
 from glenoid.settings import core_subject
+from places import EXAMPLE, ROOT
 
 SUBJECTS = sorted((ROOT / "host/subjects").glob("*.yaml"))
 REACHES = sorted((ROOT / "host/examples").glob("reach_*.yaml"))

@@ -63,14 +63,17 @@ def draw_arms(axes: Axes, reach: Reach, first: int, second: int) -> None:
         axes.plot(*line.T, "o", color=colour[:3], alpha=colour[3], ms=4.5, mec="white", mew=0.6, zorder=4)
 
 
-def draw_view(axes: Axes, reach: Reach, first: int, second: int, labels: tuple[str, str]) -> None:
-    """Arm, hand path and what was measured, seen along the third axis; T's origin is marked."""
-    draw_arms(axes, reach, first, second)
-    wrist, shoulder = reach.samples["wrist_m"], reach.samples["shoulder_m"]
-    axes.plot(wrist[:, first], wrist[:, second], color=ORANGE, lw=2.2, label="hand path", zorder=5)
-    axes.plot(shoulder[:, first], shoulder[:, second], color=GREEN, lw=2.6, label="shoulder centre", zorder=5)
-    target = reach.given.target_m
-    axes.plot(target[first], target[second], "*", color=ORANGE, ms=11, mec="white", mew=0.8, zorder=7, label="target")
+def draw_girdle(axes: Axes, reach: Reach, first: int, second: int) -> None:
+    """The line from the trunk's fixed point S to the shoulder centre, at the start and at the end."""
+    for row, colour in ((0, GREY), (-1, GREEN)):
+        centre = reach.samples["shoulder_m"][row]
+        axes.plot([0.0, centre[first]], [0.0, centre[second]], color=colour, lw=1.2, ls=(0, (4, 2)), zorder=3)
+    axes.plot(0, 0, "s", color=GREY, ms=5)
+    axes.annotate("S", (0, 0), textcoords="offset points", xytext=(-11, -11), color=GREY)
+
+
+def draw_measured(axes: Axes, reach: Reach, first: int, second: int) -> None:
+    """What the person did, where the file says it."""
     measured = reach.given.measured
     if measured.wrist_path_m:
         path = np.array(measured.wrist_path_m)
@@ -78,12 +81,24 @@ def draw_view(axes: Axes, reach: Reach, first: int, second: int, labels: tuple[s
     if measured.shoulder_m and measured.elbow_m and measured.wrist_m:
         arm = np.array([measured.shoulder_m, measured.elbow_m, measured.wrist_m])
         axes.plot(
-            arm[:, first], arm[:, second], ":o", color=INK, lw=1.2, ms=3.5, mfc="white", label="measured end posture"
+            arm[:, first], arm[:, second], "--o", color=INK, lw=1.0, ms=4, mfc="white", label="measured end posture"
         )
-    axes.plot(0, 0, "+", color=GREY, ms=9, mew=1.4)
-    axes.annotate("S", (0, 0), textcoords="offset points", xytext=(5, -11), color=GREY)
-    axes.set(xlabel=labels[0], ylabel=labels[1], aspect="equal")
-    axes.margins(0.08)
+
+
+def draw_view(axes: Axes, reach: Reach, first: int, second: int, labels: tuple[str, str]) -> None:
+    """Arm, hand path and what was measured, seen along the third axis."""
+    draw_girdle(axes, reach, first, second)
+    draw_arms(axes, reach, first, second)
+    wrist, shoulder = reach.samples["wrist_m"], reach.samples["shoulder_m"]
+    axes.plot([], [], color=BLUE, lw=2.2, label="arm (start pale)")
+    axes.plot(wrist[:, first], wrist[:, second], color=ORANGE, lw=2.2, label="hand path", zorder=5)
+    axes.plot(shoulder[:, first], shoulder[:, second], color=GREEN, lw=3.0, label="shoulder centre", zorder=5)
+    draw_measured(axes, reach, first, second)
+    target = reach.given.target_m
+    axes.plot(target[first], target[second], "*", color=ORANGE, ms=13, mec="white", mew=0.8, zorder=7, label="target")
+    axes.set(xlabel=labels[0], ylabel=labels[1])
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.06)
 
 
 def draw_shoulder(axes: Axes, reach: Reach) -> None:
@@ -92,29 +107,45 @@ def draw_shoulder(axes: Axes, reach: Reach) -> None:
     for k, (name, colour) in enumerate(zip(("lateral", "forward", "up"), (PURPLE, ORANGE, GREEN), strict=True)):
         axes.plot(reach.time_s, moved[:, k], color=colour, label=name)
     axes.plot(reach.time_s, np.linalg.norm(moved, axis=1), "--", color=INK, lw=1.3, label="distance")
-    axes.set(xlabel="time (s)", ylabel="from start (mm)", title="Shoulder-centre path")
-    axes.legend(ncols=2)
+    axes.set(xlabel="time (s)", ylabel="from start (mm)", xlim=(0.0, reach.time_s[-1]))
+    axes.set_title("Shoulder centre", pad=20)
+    legend_above(axes)
 
 
 def draw_angles(axes: Axes, reach: Reach) -> None:
     """Joint angles in time, with the measured end posture where it is known."""
     for k, (label, colour) in enumerate(zip(ANGLE_LABELS, ANGLE_COLOURS, strict=True)):
         axes.plot(reach.time_s, np.rad2deg(reach.samples["q_rad"][:, k]), color=colour, label=label)
-        if reach.given.measured.end_q_deg:
-            axes.plot(
-                reach.time_s[-1], reach.given.measured.end_q_deg[k], "o", color=colour, mfc="white", ms=5, clip_on=False
-            )
-    if reach.given.measured.end_q_deg:
-        axes.plot([], [], "o", color=GREY, mfc="white", ms=5, label="measured end")
-    axes.set(xlabel="time (s)", ylabel="angle (deg)", title="Joint angles")
-    axes.legend(ncols=2)
+    end = reach.given.measured.end_q_deg
+    for value, colour in zip(end or (), ANGLE_COLOURS, strict=False):
+        axes.plot(reach.time_s[-1], value, "o", color=colour, mfc="white", mew=1.5, ms=6, clip_on=False, zorder=5)
+    if end is not None:
+        axes.plot([], [], "o", color=GREY, mfc="white", mew=1.5, ms=6, label="measured")
+    axes.set(xlabel="time (s)", ylabel="angle (deg)", xlim=(0.0, reach.time_s[-1]))
+    axes.set_title("Joint angles", pad=20)
+    legend_above(axes)
 
 
 def draw_speeds(axes: Axes, reach: Reach) -> None:
     """Joint speeds in time."""
     for k, (label, colour) in enumerate(zip(ANGLE_LABELS, ANGLE_COLOURS, strict=True)):
         axes.plot(reach.time_s, np.rad2deg(reach.samples["dq_rad_per_s"][:, k]), color=colour, label=label)
-    axes.set(xlabel="time (s)", ylabel="speed (deg/s)", title="Joint speeds")
+    axes.set(xlabel="time (s)", ylabel="speed (deg/s)", xlim=(0.0, reach.time_s[-1]))
+    axes.set_title("Joint speeds", pad=20)
+    legend_above(axes)
+
+
+def legend_above(axes: Axes, columns: int = 5) -> None:
+    """A legend in one row between title and axes, where no curve can run through it."""
+    legend = axes.legend(
+        loc="lower left",
+        bbox_to_anchor=(-0.02, 0.98),
+        ncols=columns,
+        columnspacing=1.0,
+        handlelength=1.2,
+        handletextpad=0.35,
+    )
+    legend.set_in_layout(False)
 
 
 def draw_family(axes: Axes, reach: Reach) -> None:
@@ -126,13 +157,16 @@ def draw_family(axes: Axes, reach: Reach) -> None:
     axes.plot(swivel[feasible], energy[feasible], ".", color=BLUE, ms=5, label="within the limits")
     chosen = np.rad2deg(reach.samples["swivel_rad"][-1])
     axes.plot(chosen, reach.generator.path.energy_kg_m2, "*", color=ORANGE, ms=13, mec="white", mew=0.8, label="chosen")
-    finite = energy[feasible & np.isfinite(energy)]
-    if finite.size:
-        axes.set_ylim(0.0, 1.15 * finite.max())
+    finite = feasible & np.isfinite(energy)
+    if finite.any():
+        low, high = float(energy[finite].min()), float(energy[finite].max())
+        room = max(0.25 * (high - low), 0.05 * high)
+        axes.set(ylim=(low - room, high + room), xlim=(swivel[finite].min() - 30.0, swivel[finite].max() + 30.0))
     axes.set(
         xlabel=r"swivel angle $\alpha$ (deg)", ylabel=r"energy (kg m$^2$)", title="Energy over the family of postures"
     )
-    axes.legend(loc="upper center", ncols=3, columnspacing=1.0, handletextpad=0.3)
+    axes.set_title("Energy over the family of postures", pad=20)
+    legend_above(axes)
 
 
 def compose(reach: Reach) -> Figure:
@@ -140,9 +174,9 @@ def compose(reach: Reach) -> Figure:
     figure = Figure(figsize=(12.6, 7.4), layout="constrained")
     grid = figure.subplots(2, 3, height_ratios=(1.25, 1.0))
     draw_view(grid[0, 0], reach, Y, Z, ("forward y (m)", "up z (m)"))
-    grid[0, 0].set_title("From the side (sagittal)")
+    grid[0, 0].set_title("From the side (sagittal)", pad=20)
     draw_view(grid[0, 1], reach, X, Z, ("lateral x (m)", "up z (m)"))
-    grid[0, 1].set_title("From behind (frontal)")
+    grid[0, 1].set_title("From behind (frontal)", pad=20)
     panels: tuple[tuple[Axes, Callable[[Axes, Reach], None]], ...] = (
         (grid[0, 2], draw_family),
         (grid[1, 0], draw_angles),
@@ -151,8 +185,8 @@ def compose(reach: Reach) -> Figure:
     )
     for axes, draw in panels:
         draw(axes, reach)
-    grid[0, 0].legend(loc="upper left", handlelength=1.6)
-    figure.suptitle(headline(reach), x=0.012, ha="left", fontsize=12.0, color=INK, fontweight="bold")
+    legend_above(grid[0, 0], columns=6)
+    figure.suptitle(headline(reach), x=0.008, ha="left", fontsize=12.0, color=INK, fontweight="bold")
     return figure
 
 
@@ -163,8 +197,9 @@ def draw_reach(reach: Reach, path: Path) -> None:
 
 
 def headline(reach: Reach) -> str:
-    """Name, rhythm and, if there are any, the warnings."""
-    text = reach.given.name or "Reach"
-    text += f"  ·  rhythm {reach.given.rhythm.model} x {reach.given.rhythm.gain:g}"
-    warnings = warnings_for(reach)
-    return text + "".join(f"\nWARNING: {line}" for line in warnings)
+    """Name, choices and, if there are any, the warnings."""
+    given = reach.given
+    swivel = np.rad2deg(reach.samples["swivel_rad"][-1])
+    text = f"{given.name or 'Reach'}: {given.swivel.mode}, swivel {swivel:.1f} deg, "
+    text += f"rhythm {given.rhythm.model}, gain {given.rhythm.gain:g}"
+    return text + "".join(f"\nWARNING: {line}" for line in warnings_for(reach))

@@ -69,7 +69,7 @@ def certificate_table(reach: Reach, verification: Verification | None) -> Table:
     table.add_row("nearest limit on way", describe_margin(certificate.limits.worst))
     if verification is not None:
         verdict = "agrees" if verification.passed else "DISAGREES"
-        text = f"{verdict}: arrives within {verification.arrival_rad:.1e} rad, path off by {verification.deviation_rad:.1e}"
-        text += f" rad at most, energy drift {verification.energy_drift:.1e}"
-        table.add_row("shot with CVODE", text)
+        table.add_row("shot with CVODE", f"{verdict}: arrives within {verification.arrival_rad:.1e} rad")
+        table.add_row("", f"path at most {verification.deviation_rad:.1e} rad off the shot")
+        table.add_row("", f"energy drift of the shot {verification.energy_drift:.1e}")
     return table

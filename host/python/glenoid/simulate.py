@@ -116,6 +116,11 @@ def output_names() -> list[str]:
     return vectors + list(SCALARS.values())
 
 
+def words_of(message: bytes | str) -> str:
+    """What the FMU said, as text."""
+    return message.decode("utf-8", "replace") if isinstance(message, bytes) else str(message)
+
+
 def simulate(reach: ReachInput, fmu: Path, step_s: float, stop_s: float) -> Simulation:
     """Runs the FMU with constant inputs and reads every step.
 
@@ -141,7 +146,8 @@ def simulate(reach: ReachInput, fmu: Path, step_s: float, stop_s: float) -> Simu
             step_size=step_s,
             start_values=start_values(reach, shift),
             output=output_names(),
-            logger=lambda *arguments: messages.append(str(arguments[-1])),
+            debug_logging=True,
+            logger=lambda *arguments: messages.append(words_of(arguments[-1])),
         )
     except Exception as error:
         raise InputError("\n".join([f"{fmu.name}: {error}", *messages])) from error

@@ -27,7 +27,6 @@ NAMES = (
     "wrist_m",
     "swivel_rad",
     "progress",
-    "status",
 )
 
 
