@@ -8,10 +8,10 @@
 namespace glenoid {
 namespace {
 
-constexpr double kResolution = 1e-5;       // rad: a worst value is not sought more closely than this
-constexpr double kLimitRounding = 1e-9;    // rad: a joint this far beyond its limit still is on it
-constexpr double kLargestStep = 0.5 * kPi; // rad between samples: unwrapping is unambiguous below pi
-constexpr int kMaxDepth = 15;              // bisections of one interval of the guide: 1e-6 of the motion
+constexpr double kResolution = 1e-5;        // rad: a worst value is not sought more closely than this
+constexpr double kLimitRounding = 1e-9;     // rad: a joint this far beyond its limit still is on it
+constexpr double kLargestStep = 0.5 * kPi;  // rad between samples: unwrapping is unambiguous below pi
+constexpr int kMaxDepth = 15;               // bisections of one interval of the guide: 1e-6 of the motion
 constexpr std::size_t kSamples = ExoGuide::kIntervals + 1;
 
 /// Quantities that are followed along the motion: six joints and the angle between the first and the third axis.
@@ -36,7 +36,7 @@ struct Hermite {
   /// Places in (0, h) where the slope vanishes; NaN where there is none.
   [[nodiscard]] std::array<double, 2> turning_points() const noexcept {
     const double root = std::sqrt(c2 * c2 - 3.0 * c3 * d0);
-    const double sum = -(c2 + std::copysign(root, c2));   // stable pair of roots of d0 + 2 c2 x + 3 c3 x^2
+    const double sum = -(c2 + std::copysign(root, c2));  // stable pair of roots of d0 + 2 c2 x + 3 c3 x^2
     return {inside(d0 / sum), inside(sum / (3.0 * c3))};
   }
 
@@ -137,7 +137,7 @@ class Walk {
     return upper ? model_.settings().upper[joint] < kNoExoLimit : model_.settings().lower[joint] > -kNoExoLimit;
   }
 
-  /// Value of a track below (above, for `upper`) which a worst value would sink by more than the resolution; infinite if none.
+  /// Value of a track below (above, for `upper`) which a worst value would sink by the resolution; infinite if none.
   [[nodiscard]] double threshold(int track, bool upper) const noexcept {
     const double sign = upper ? -1.0 : 1.0;
     if (track == kAxisAngle) {
@@ -177,7 +177,8 @@ class Walk {
     const double error = std::abs(middle.value[track] - Hermite(a, b, track)(middle.s - a.s));
     for (const auto& [from, to] : {std::pair(&a, &middle), std::pair(&middle, &b)}) {
       const Hermite cubic(*from, *to, track);
-      const double least = std::min(from->value[track], to->value[track]), most = std::max(from->value[track], to->value[track]);
+      const double least = std::min(from->value[track], to->value[track]),
+                   most = std::max(from->value[track], to->value[track]);
       if (error > kResolution && (least - error < low || most + error > high)) return true;
       for (const double x : cubic.turning_points()) {
         if (std::isnan(x)) continue;

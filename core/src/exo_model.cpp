@@ -10,8 +10,8 @@
 namespace glenoid {
 namespace {
 
-constexpr double kUnitTolerance = 1e-6;         // |axis| - 1, dimensionless: six digits in a file
-constexpr double kMinAxisAngle = kPi / 180.0;   // rad; below it T would divide by less than sin(1 deg)
+constexpr double kUnitTolerance = 1e-6;        // |axis| - 1, dimensionless: six digits in a file
+constexpr double kMinAxisAngle = kPi / 180.0;  // rad; below it T would divide by less than sin(1 deg)
 constexpr std::array<const char*, 6> kJointNames = {"GirdleProtraction", "GirdleElevation", "Shoulder1",
                                                     "Shoulder2",         "Shoulder3",       "Elbow"};
 
@@ -30,7 +30,8 @@ void validate_axes(const std::array<Vec3, 3>& axes, Problems& problems) {
     const std::string name = "exo.axis" + std::to_string(i + 1);
     if (!require_finite(name, axes[i], "1", problems)) return;
     const double length = axes[i].norm();
-    problems.require(std::abs(length - 1.0) <= kUnitTolerance, "length of " + name, length, "1", "must be 1 within 1e-6");
+    problems.require(std::abs(length - 1.0) <= kUnitTolerance, "length of " + name, length, "1",
+                     "must be 1 within 1e-6");
   }
   for (std::size_t i = 0; i < 2; ++i) {
     const double angle = angle_between(axes[i], axes[i + 1]);

@@ -8,8 +8,8 @@
 namespace glenoid {
 namespace {
 
-constexpr double kSharedAxis = 2.5e-13;     // rad: joints 1 and 3 share one axis; R is then off by less than 5e-13
-constexpr double kSingularVolume = 1e-6;    // |a1.(b2 x b3)| below which rates are least squares
+constexpr double kSharedAxis = 2.5e-13;   // rad: joints 1 and 3 share one axis; R is then off by less than 5e-13
+constexpr double kSingularVolume = 1e-6;  // |a1.(b2 x b3)| below which rates are least squares
 
 /// v turned about the unit axis by the angle with cosine c and sine s.
 Vec3 turned(const Vec3& axis, double c, double s, const Vec3& v) noexcept {
@@ -25,7 +25,7 @@ HalfAngle half_interior_angle(const ShoulderGeometry& g, double sin_half, double
   const double s2 = (sin_half * g.cos_diff - cos_half * g.sin_diff) * (sin_half * g.cos_diff + cos_half * g.sin_diff);
   const double c2 = (g.sin_sum * cos_half - g.cos_sum * sin_half) * (g.sin_sum * cos_half + g.cos_sum * sin_half);
   const double s = std::sqrt(std::max(s2, 0.0)), c = std::sqrt(std::max(c2, 0.0));
-  const double length = std::sqrt(c * c + s * s);   // sqrt(sin a12 sin a23): never small
+  const double length = std::sqrt(c * c + s * s);  // sqrt(sin a12 sin a23): never small
   return {c / length, s / length};
 }
 

@@ -21,7 +21,7 @@ void normalize_jet(Vec3& v, Vec3& dv, Vec3& ddv) noexcept {
   const double f = 1.0 / v.norm();
   v *= f;
   dv *= f;
-  const double rate = v.dot(dv);   // of the length, relative
+  const double rate = v.dot(dv);  // of the length, relative
   dv -= rate * v;
   ddv = f * ddv - 2.0 * rate * dv;
 }
@@ -29,13 +29,13 @@ void normalize_jet(Vec3& v, Vec3& dv, Vec3& ddv) noexcept {
 /// Upper arm from the columns x and z, orthonormalised together with their derivatives so that rates are exact (X4).
 Status upper_arm_jet(const PostureJet& posture, RotationJet& out) noexcept {
   Vec3 x = posture.x, dx = posture.dx, ddx = posture.ddx, z = posture.z, dz = posture.dz, ddz = posture.ddz;
-  constexpr double kTolerance = 1e-2;   // far above interpolation error, far below a wrong argument
+  constexpr double kTolerance = 1e-2;  // far above interpolation error, far below a wrong argument
   const double error = std::abs(x.squaredNorm() - 1.0) + std::abs(z.squaredNorm() - 1.0) + std::abs(x.dot(z));
   if (!std::isfinite(error)) return Status::NotFinite;
   if (error > kTolerance) return Status::OutOfRange;
   normalize_jet(z, dz, ddz);
   const double g = x.dot(z), dg = dx.dot(z) + x.dot(dz);
-  ddx -= 2.0 * dg * dz + g * ddz;   // the part along z drops out of everything below
+  ddx -= 2.0 * dg * dz + g * ddz;  // the part along z drops out of everything below
   dx -= dg * z + g * dz;
   x -= g * z;
   normalize_jet(x, dx, ddx);
@@ -94,7 +94,8 @@ Mat3 exo_base(const ExoModel& model, double protraction, double elevation) noexc
 Mat3 exo_upper_arm(const ExoModel& model, const Vec6& q) noexcept {
   const auto& a = model.shoulder().a;
   Mat3 R = exo_base(model, q[kGirdleProtraction], q[kGirdleElevation]);
-  for (int i = 0; i < 3; ++i) R = R * Eigen::AngleAxisd(q[kShoulder1 + i], a[static_cast<std::size_t>(i)]).toRotationMatrix();
+  for (int i = 0; i < 3; ++i)
+    R = R * Eigen::AngleAxisd(q[kShoulder1 + i], a[static_cast<std::size_t>(i)]).toRotationMatrix();
   return R * model.R_LU();
 }
 
@@ -125,7 +126,7 @@ Status map_to_exo(const ExoModel& model, ExoBranch branch, const PostureJet& pos
   sample.margin_rad = state.margin_rad;
   sample.singularity_rad = state.singularity_rad;
   sample.axis_angle_rad = state.axis_angle_rad;
-  const Vec3 normal = g.a[0].cross(t);   // d cos(angle)/dt = a1.(w x t)
+  const Vec3 normal = g.a[0].cross(t);  // d cos(angle)/dt = a1.(w x t)
   const double sine = normal.norm();
   sample.axis_angle_rate = sine > 0.0 ? normal.dot(w) / sine : 0.0;
   if (!all_finite(sample)) return Status::NotFinite;
@@ -133,8 +134,8 @@ Status map_to_exo(const ExoModel& model, ExoBranch branch, const PostureJet& pos
   return state.margin_rad < -kFeasibleRounding ? Status::ExoInfeasible : Status::Ok;
 }
 
-Status choose_branch(const ExoModel& model, const Posture& posture, const Vec3& p_TS, const std::optional<Vec3>& device_q,
-                     ExoStart& out) noexcept {
+Status choose_branch(const ExoModel& model, const Posture& posture, const Vec3& p_TS,
+                     const std::optional<Vec3>& device_q, ExoStart& out) noexcept {
   if (!posture.R_TU.allFinite() || !p_TS.allFinite() || (device_q && !device_q->allFinite())) return Status::NotFinite;
   GirdleJet girdle;
   girdle_joints(model, {p_TS, Vec3::Zero(), Vec3::Zero()}, girdle);
@@ -151,7 +152,8 @@ Status choose_branch(const ExoModel& model, const Posture& posture, const Vec3& 
   } else {
     const bool first_inside = shoulder_limit_margin(model.settings(), first.q) >= 0.0;
     const bool second_inside = shoulder_limit_margin(model.settings(), second.q) >= 0.0;
-    take_second = first_inside == second_inside ? (joint2_positive(second.q) && !joint2_positive(first.q)) : second_inside;
+    take_second = first_inside == second_inside ? (joint2_positive(second.q) && !joint2_positive(first.q))
+                                                : second_inside;
   }
   out.branch = take_second ? ExoBranch::Second : ExoBranch::First;
   out.shoulder_q = take_second ? second.q : first.q;

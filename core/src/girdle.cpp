@@ -24,17 +24,21 @@ Polar polar(const ScalarJet& u, const ScalarJet& v) noexcept {
   return out;
 }
 
-ScalarJet coordinate(const PointJet& point, int axis) noexcept { return {point.p[axis], point.dp[axis], point.ddp[axis]}; }
+ScalarJet coordinate(const PointJet& point, int axis) noexcept {
+  return {point.p[axis], point.dp[axis], point.ddp[axis]};
+}
 
 /// Point that the drives reach; NoLength keeps the direction here and fixes the length afterwards.
 PointJet reached_point(const ExoModel& model, const PointJet& centre) noexcept {
   const Vec3& rest = model.rest_centre();
   switch (model.settings().girdle_drives) {
     case GirdleDrives::Full:
-    case GirdleDrives::NoLength: return centre;
+    case GirdleDrives::NoLength:
+      return centre;
     case GirdleDrives::VerticalOnly:
       return {Vec3(rest.x(), rest.y(), centre.p.z()), Vec3(0.0, 0.0, centre.dp.z()), Vec3(0.0, 0.0, centre.ddp.z())};
-    case GirdleDrives::None: break;
+    case GirdleDrives::None:
+      break;
   }
   return {rest, Vec3::Zero(), Vec3::Zero()};
 }

@@ -29,7 +29,7 @@ std::array<Instant, kInstants> instants_along(const test::SmoothMotion& motion) 
 
 ExoSettings tilted_device(bool carried) {
   ExoSettings device;
-  device.axes[1] = Vec3(0.9659258262890683, 0.0, 0.2588190451025207);   // 75 deg from z
+  device.axes[1] = Vec3(0.9659258262890683, 0.0, 0.2588190451025207);  // 75 deg from z
   device.axes[2] = Vec3(0.0, 0.2588190451025207, 0.9659258262890683);
   device.base = Vec3(0.1, 0.2, 0.3);
   device.cuff = Vec3(0.0, 0.1, 0.0);

@@ -67,8 +67,8 @@ TEST(ExoMotion, JointsAreContinuousAlongEveryAcceptedMotionInBothBranches) {
     const ExoModel model(device, kCentre);
     const SmoothMotion motion = SmoothMotion::random(random, 2.5);
     ExoPathCheck check;
-    const Status status =
-        check_motion(model, motion.source(), start_of(model, motion, k % 2 ? ExoBranch::First : ExoBranch::Second), false, check);
+    const Status status = check_motion(
+        model, motion.source(), start_of(model, motion, k % 2 ? ExoBranch::First : ExoBranch::Second), false, check);
     ASSERT_TRUE(status == Status::Ok || status == Status::ExoInfeasible);
     (status == Status::Ok ? accepted : refused) += 1;
     if (status != Status::Ok) continue;
@@ -118,7 +118,8 @@ TEST(ExoMotion, JointsAreContinuousAndGeodesicsReversibleForEveryAcceptedPath) {
     device.min_singularity_rad = 0.1;
     const Posture from = random_posture_within_limits(random), to = random_posture_within_limits(random);
     GeodesicMotion motion{{}, arm.rhythm};
-    if (solver.solve(arm, from, to, GeodesicOptions(), nullptr, motion.path, certificate) != Status::Ok) continue;  // the solver has tests of its own
+    if (solver.solve(arm, from, to, GeodesicOptions(), nullptr, motion.path, certificate) != Status::Ok)
+      continue;  // the solver has tests of its own
     const ExoModel model(device, arm.rhythm.position(from.R_TU.col(2)));
     ExoStart start;
     if (choose_branch(model, from, arm.rhythm.position(from.R_TU.col(2)), std::nullopt, start) != Status::Ok) continue;
@@ -139,7 +140,8 @@ TEST(ExoMotion, JointsAreContinuousAndGeodesicsReversibleForEveryAcceptedPath) {
     const ExoStart end{check.guide.branch, guide_angles(check.guide, 1.0), 0.0};
     ASSERT_EQ(check_path(model, back.path, arm.rhythm, end, false, again), Status::Ok) << "case " << k;
     const double s = random.uniform(0.0, 1.0);
-    const ExoSample a = sample_at(model, motion.source(), check.guide, s), b = sample_at(model, back.source(), again.guide, 1.0 - s);
+    const ExoSample a = sample_at(model, motion.source(), check.guide, s),
+                    b = sample_at(model, back.source(), again.guide, 1.0 - s);
     // interpolation rounds to about order * eps; within 0.1 rad of the singular set T magnifies it by less than 1000
     ASSERT_LE(max_difference(a.q, b.q), 1e-10) << "case " << k;
     ASSERT_LE(max_difference(a.dq, -b.dq), 1e-7 * (1.0 + a.dq.norm())) << "case " << k;
@@ -235,7 +237,8 @@ TEST(ExoMotion, PlantedLimitBetweenTheSamplesIsFound) {
     ASSERT_EQ(check.limit_margin_rad, kNoExoLimit);
     const Extremes truth = brute_force(free, motion, check.guide);
     for (int joint = 0; joint < 6; ++joint) {
-      if (truth.highest_at[joint] == 0.0 || truth.highest_at[joint] == 1.0) continue;  // only turning points lie between
+      if (truth.highest_at[joint] == 0.0 || truth.highest_at[joint] == 1.0)
+        continue;  // only turning points lie between
       ++used;
       for (const double beyond : {1e-3, 1e-4, -1e-3}) {
         ExoSettings limited = device;
@@ -308,6 +311,44 @@ TEST(ExoMotion, NearerToTheSingularSetThanAllowedIsRefusedWithThePlace) {
     EXPECT_NEAR(check.singularity_rad, 0.05, 1e-5);
     EXPECT_NEAR(check.singularity_at, 0.5, 1e-2);
     EXPECT_EQ(check.refusal, least < 0.05 ? ExoRefusal::None : ExoRefusal::Singular);
+  }
+}
+
+class FastTurn : public testing::TestWithParam<double> {};
+
+TEST_P(FastTurn, OfMoreThanHalfATurnWithinOneIntervalIsUnwrapped) {
+  // Past the hanging posture at 1 mrad, in the middle of an interval of the guide, while the arm turns about the vertical:
+  // joint 1 turns by nearly pi in 1/32 of the motion, plus what the arm turns.
+  constexpr double kMiddle = 16.5 / ExoGuide::kIntervals;
+  SmoothMotion motion;
+  motion.u1 = Vec3::UnitZ(), motion.u2 = Vec3::UnitX(), motion.p0 = kCentre, motion.p1 = Vec3::Zero();
+  motion.R0 = turn(Vec3::UnitX(), -1.4 * kMiddle) * turn(Vec3::UnitY(), 1e-3);
+  motion.f1 = {GetParam(), 0.0, 0.0}, motion.f2 = {1.4, 0.0, 0.0}, motion.elbow = motion.travel = {0.0, 0.0, 0.0};
+  const ExoModel model(ExoSettings(), kCentre);
+  ExoPathCheck check;
+  ASSERT_EQ(check_motion(model, motion.source(), start_of(model, motion), false, check), Status::Ok);
+  ExoGuide step = check.guide;  // a sample at a time, each near the one before
+  double joint1 = 0.0;
+  for (int k = 0; k <= 20'000; ++k) {
+    const ExoSample sample = sample_at(model, motion, step, k / 20'000.0);
+    joint1 = sample.q[kShoulder1];
+    step.shoulder_q.fill({joint1, sample.q[kShoulder2], sample.q[kShoulder3]});
+  }
+  EXPECT_NEAR(guide_angles(check.guide, 1.0)[0], joint1, 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(BothWays, FastTurn, testing::Values(-6.0, 6.0));
+
+TEST(ExoMotion, WithoutLimitsTheBranchWithAPositiveSecondJointIsTaken) {
+  const Posture posture = posture_from_angles(degrees(60, -30, 20, 70));
+  ExoSettings device;
+  for (const double sign : {1.0, -1.0}) {
+    device.axes[2] = sign * Vec3::UnitZ();
+    ExoStart start;
+    ASSERT_EQ(choose_branch(ExoModel(device, kCentre), posture, kCentre, std::nullopt, start), Status::Ok);
+    EXPECT_EQ(start.branch, sign > 0.0 ? ExoBranch::First : ExoBranch::Second);
+    EXPECT_GE(start.shoulder_q[1], 0.0);
+    EXPECT_LT(start.shoulder_q[1], kPi);
   }
 }
 

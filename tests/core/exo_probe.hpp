@@ -9,9 +9,13 @@
 namespace glenoid::test {
 
 /// Rodrigues by quaternion: independent of the code under test.
-inline Mat3 turn(const Vec3& axis, double angle) { return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix(); }
+inline Mat3 turn(const Vec3& axis, double angle) {
+  return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
+}
 
-inline Mat3 turn(const Vec3& vector) { return vector.norm() > 0.0 ? turn(vector, vector.norm()) : Mat3(Mat3::Identity()); }
+inline Mat3 turn(const Vec3& vector) {
+  return vector.norm() > 0.0 ? turn(vector, vector.norm()) : Mat3(Mat3::Identity());
+}
 
 inline double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -94,7 +98,8 @@ struct SmoothMotion {
     const Mat3 R = E1 * E2, A = U1 * R, B = E1 * U2 * E2;
     const double d1 = f1.d1(at), d2 = f2.d1(at);
     const Mat3 dR = sign * (d1 * A + d2 * B);
-    const Mat3 ddR = f1.d2(at) * A + f2.d2(at) * B + d1 * d1 * U1 * A + d2 * d2 * E1 * U2 * U2 * E2 + 2.0 * d1 * d2 * U1 * B;
+    const Mat3 ddR = f1.d2(at) * A + f2.d2(at) * B + d1 * d1 * U1 * A + d2 * d2 * E1 * U2 * U2 * E2 +
+                     2.0 * d1 * d2 * U1 * B;
     out.x = R.col(0), out.dx = dR.col(0), out.ddx = ddR.col(0);
     out.z = R.col(2), out.dz = dR.col(2), out.ddz = ddR.col(2);
     out.phi = elbow.value(at), out.dphi = sign * elbow.d1(at), out.ddphi = elbow.d2(at);

@@ -19,7 +19,9 @@ namespace {
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 const Vec3 kCentre(0.17, -0.02, 0.01);
 
-ExoBranch random_branch(Random& random) { return random.uniform(0.0, 1.0) < 0.5 ? ExoBranch::First : ExoBranch::Second; }
+ExoBranch random_branch(Random& random) {
+  return random.uniform(0.0, 1.0) < 0.5 ? ExoBranch::First : ExoBranch::Second;
+}
 
 /// Reachability by the algebraic condition |K| <= rho instead of by angles; how far inside, in units of K.
 double algebraic_slack(const ExoSettings& device, const Mat3& R_star) {
@@ -55,7 +57,8 @@ TEST(Transformation, ReproducesTheUpperArmForAnyAxesMountsAndPosturesInBothBranc
     const Mat3 R_TU = random.rotation();
     const ExoModel model(device, kCentre);
     ExoSample out;
-    const Status status = map_to_exo(model, random_branch(random), at_rest({R_TU, 0.7}), fixed_point(centre), near_q, out);
+    const Status status = map_to_exo(model, random_branch(random), at_rest({R_TU, 0.7}), fixed_point(centre), near_q,
+                                     out);
     ASSERT_TRUE(finite(out)) << "case " << k;
     const Mat3 R_star = base_of(device, {out.q[0], out.q[1], 0.0}).transpose() * R_TU * turn(device.cuff).transpose();
     const double slack = algebraic_slack(device, R_star);
@@ -104,7 +107,8 @@ TEST(Transformation, MarginIsTheLeastRotationToTheEdgeOfTheFeasibleSet) {
     const Mat3 moved = turn(a1.cross(t), to_most ? here.margin_rad : -here.margin_rad) * R_TU;
     static_cast<void>(shoulder_joints(model, R_TB, moved, ExoBranch::First, zero, there));
     ASSERT_NEAR(there.margin_rad, 0.0, 32.0 * kEps / std::sin(here.axis_angle_rad)) << "case " << k;
-    ASSERT_NEAR(algebraic_slack(model.settings(), R_TB.transpose() * moved * model.R_LU().transpose()), 0.0, 64.0 * kEps);
+    ASSERT_NEAR(algebraic_slack(model.settings(), R_TB.transpose() * moved * model.R_LU().transpose()), 0.0,
+                64.0 * kEps);
   }
 }
 
@@ -116,7 +120,8 @@ TEST(Transformation, SecondAxisNormalToBothReachesEveryOrientation) {
     const Mat3 R_TU = random.rotation();
     ExoSample out;
     ASSERT_EQ(map_to_exo(model, random_branch(random), at_rest({R_TU, 0.0}), fixed_point(kCentre), Vec3::Zero(), out),
-              Status::Ok) << "case " << k;
+              Status::Ok)
+        << "case " << k;
     ASSERT_LE(max_difference(device_pose(device, out.q), R_TU), 1e-12) << "case " << k;
   }
 }
@@ -199,22 +204,27 @@ TEST_P(Derivatives, AreThoseOfTheJoints) {
     };
     ExoSample here;
     if (sample(s, here) != Status::Ok || here.singularity_rad < 0.3 || here.margin_rad < 0.1) continue;
-    if ((here.q.segment<3>(kShoulder1).cwiseAbs().array() > 3.0).any()) continue;  // a turn would be counted off in between
+    if ((here.q.segment<3>(kShoulder1).cwiseAbs().array() > 3.0).any())
+      continue;  // a turn would be counted off in between
     ExoSample m2, m1, p1, p2;
     ASSERT_TRUE(sample(s - 2 * h, m2) == Status::Ok && sample(s - h, m1) == Status::Ok);
     ASSERT_TRUE(sample(s + h, p1) == Status::Ok && sample(s + 2 * h, p2) == Status::Ok);
     ++used;
     // q is known to a few eps over the sines of axis angle and joint 2 (>= 0.1 * 0.3); rates to that times the rates
-    const double rounding = 100.0 * kEps / 0.03, rates = 1.0 + here.dq.cwiseAbs().maxCoeff() + here.ddq.cwiseAbs().maxCoeff();
+    const double rounding = 100.0 * kEps / 0.03,
+                 rates = 1.0 + here.dq.cwiseAbs().maxCoeff() + here.ddq.cwiseAbs().maxCoeff();
     const Vec6 dq = (p1.q - m1.q) / (2 * h), dq2 = (p2.q - m2.q) / (4 * h);
     const Vec6 ddq = (p1.dq - m1.dq) / (2 * h), ddq2 = (p2.dq - m2.dq) / (4 * h);
-    ASSERT_TRUE(((here.dq - dq).cwiseAbs().array() <= difference_bound(dq2, dq, rounding, h).array()).all()) << "case " << k;
+    ASSERT_TRUE(((here.dq - dq).cwiseAbs().array() <= difference_bound(dq2, dq, rounding, h).array()).all())
+        << "case " << k;
     ASSERT_TRUE(((here.ddq - ddq).cwiseAbs().array() <= difference_bound(ddq2, ddq, rounding * rates, h).array()).all())
-        << "case " << k << "\n" << here.ddq.transpose() << "\n" << ddq.transpose();
+        << "case " << k << "\n"
+        << here.ddq.transpose() << "\n"
+        << ddq.transpose();
     const double angle_rate = (p1.axis_angle_rad - m1.axis_angle_rad) / (2 * h);
     const double angle_rate2 = (p2.axis_angle_rad - m2.axis_angle_rad) / (4 * h);
     ASSERT_NEAR(here.axis_angle_rate, angle_rate, std::abs(angle_rate2 - angle_rate) + rounding / h);
-    ASSERT_NEAR(here.length_m[1], (p1.length_m[0] - m1.length_m[0]) / (2 * h), 1e-9);   // h^2/6 of 1 m/s^3, eps/h
+    ASSERT_NEAR(here.length_m[1], (p1.length_m[0] - m1.length_m[0]) / (2 * h), 1e-9);  // h^2/6 of 1 m/s^3, eps/h
     ASSERT_NEAR(here.length_m[2], (p1.length_m[1] - m1.length_m[1]) / (2 * h), 1e-8);
   }
 }
@@ -235,8 +245,9 @@ TEST(Transformation, LeftDeviceIsTheMirroredOne) {
     const ExoModel model(given, kCentre);
     const Mat3 R_left = random.rotation();
     ExoSample out;
-    if (map_to_exo(model, random_branch(random), at_rest({mirror * R_left * mirror, 0.0}), fixed_point(kCentre), Vec3::Zero(),
-                   out) != Status::Ok) continue;
+    if (map_to_exo(model, random_branch(random), at_rest({mirror * R_left * mirror, 0.0}), fixed_point(kCentre),
+                   Vec3::Zero(), out) != Status::Ok)
+      continue;
     ASSERT_LE(max_difference(device_pose(left, out.q), R_left), 1e-12) << "case " << k;
   }
 }
@@ -253,8 +264,10 @@ TEST(Transformation, RefusesWhatIsNotARotationAndLeavesTheOutputAlone) {
   bad = jet;
   bad.x *= 1.1;
   EXPECT_EQ(map_to_exo(model, ExoBranch::First, bad, fixed_point(kCentre), Vec3::Zero(), out), Status::OutOfRange);
-  EXPECT_EQ(map_to_exo(model, ExoBranch::First, jet, fixed_point(Vec3(0.0, HUGE_VAL, 0.0)), Vec3::Zero(), out), Status::NotFinite);
-  EXPECT_EQ(map_to_exo(model, ExoBranch::First, jet, fixed_point(kCentre), Vec3(std::nan(""), 0.0, 0.0), out), Status::NotFinite);
+  EXPECT_EQ(map_to_exo(model, ExoBranch::First, jet, fixed_point(Vec3(0.0, HUGE_VAL, 0.0)), Vec3::Zero(), out),
+            Status::NotFinite);
+  EXPECT_EQ(map_to_exo(model, ExoBranch::First, jet, fixed_point(kCentre), Vec3(std::nan(""), 0.0, 0.0), out),
+            Status::NotFinite);
   EXPECT_EQ(out.q, before.q);
   EXPECT_EQ(out.residual_m, before.residual_m);
 }
@@ -312,7 +325,8 @@ TEST_P(MissingDrives, ResidualIsTheDistanceOfTheReachedPointFromTheCentre) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, MissingDrives,
-                         testing::Combine(testing::Values(GirdleDrives::NoLength, GirdleDrives::VerticalOnly, GirdleDrives::None),
+                         testing::Combine(testing::Values(GirdleDrives::NoLength, GirdleDrives::VerticalOnly,
+                                                          GirdleDrives::None),
                                           testing::Values(0.0, 0.15)));
 
 TEST(Girdle, RatesAreThoseOfTheCoordinatesForEveryDrive) {
@@ -372,17 +386,20 @@ INSTANTIATE_TEST_SUITE_P(
         BadSettings{"length", "length of exo.axis2 = 2 1", [](ExoSettings& s) { s.axes[1] *= 2.0; }},
         BadSettings{"zero", "length of exo.axis3 = 0 1", [](ExoSettings& s) { s.axes[2].setZero(); }},
         BadSettings{"nan", "exo.axis1[2] = nan", [](ExoSettings& s) { s.axes[0][1] = std::nan(""); }},
-        BadSettings{"parallel", "angle of exo.axis1 and exo.axis2 = 0 rad", [](ExoSettings& s) { s.axes[1] = s.axes[0]; }},
+        BadSettings{"parallel", "angle of exo.axis1 and exo.axis2 = 0 rad",
+                    [](ExoSettings& s) { s.axes[1] = s.axes[0]; }},
         BadSettings{"opposite", "angle of exo.axis2 and exo.axis3", [](ExoSettings& s) { s.axes[2] = -s.axes[1]; }},
         BadSettings{"degrees", "length of exo.base = 90 rad", [](ExoSettings& s) { s.base = Vec3(0, 0, 90); }},
         BadSettings{"infinite", "exo.cuff[1] = inf", [](ExoSettings& s) { s.cuff[0] = HUGE_VAL; }},
         BadSettings{"order", "exo.girdleOrder = 3", [](ExoSettings& s) { s.girdle_order = static_cast<GirdleOrder>(3); }},
-        BadSettings{"drives", "exo.girdle_drives = 0", [](ExoSettings& s) { s.girdle_drives = static_cast<GirdleDrives>(0); }},
+        BadSettings{"drives", "exo.girdle_drives = 0",
+                    [](ExoSettings& s) { s.girdle_drives = static_cast<GirdleDrives>(0); }},
         BadSettings{"link", "exo.girdle_link_m = -0.1 m", [](ExoSettings& s) { s.girdle_link_m = -0.1; }},
         BadSettings{"carried", "exo.base_follows_girdle",
                     [](ExoSettings& s) { s.base_follows_girdle = true, s.girdle_drives = GirdleDrives::None; }},
         BadSettings{"singular", "exo.min_singularity_rad = 2 rad", [](ExoSettings& s) { s.min_singularity_rad = 2.0; }},
-        BadSettings{"limits", "exo.lower[Elbow] = 1 rad", [](ExoSettings& s) { s.lower[kElbow] = 1.0, s.upper[kElbow] = 0.5; }},
+        BadSettings{"limits", "exo.lower[Elbow] = 1 rad",
+                    [](ExoSettings& s) { s.lower[kElbow] = 1.0, s.upper[kElbow] = 0.5; }},
         BadSettings{"nanlimit", "exo.upper[GirdleElevation] = nan", [](ExoSettings& s) { s.upper[1] = std::nan(""); }}),
     [](const auto& test) { return std::string(test.param.name); });
 

@@ -13,7 +13,12 @@ using Vec6 = Eigen::Matrix<double, 6, 1>;
 
 /// Index of each joint in exo.q, also the order of the drives on the bus.
 enum ExoJoint : int {
-  kGirdleProtraction = 0, kGirdleElevation = 1, kShoulder1 = 2, kShoulder2 = 3, kShoulder3 = 4, kElbow = 5
+  kGirdleProtraction = 0,
+  kGirdleElevation = 1,
+  kShoulder1 = 2,
+  kShoulder2 = 3,
+  kShoulder3 = 4,
+  kElbow = 5
 };
 
 enum class GirdleOrder : int { ProtractionFirst = 1, ElevationFirst = 2 };
@@ -30,30 +35,30 @@ inline constexpr double kNoExoLimit = 1e9;
 
 /// Parameters of the device (docs/equations.md, X1-X6). Rotations are rotation vectors, rad.
 struct ExoSettings {
-  std::array<Vec3, 3> axes = {Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitZ()};   ///< unit, in the exo base frame at its zero
-  Vec3 base = Vec3::Zero();      ///< B: exo base in the thorax frame
-  Vec3 cuff = Vec3::Zero();      ///< C: upper arm in the last shoulder link
+  std::array<Vec3, 3> axes = {Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitZ()};  ///< unit, in the exo base frame at its zero
+  Vec3 base = Vec3::Zero();                                                  ///< B: exo base in the thorax frame
+  Vec3 cuff = Vec3::Zero();                                                  ///< C: upper arm in the last shoulder link
   GirdleOrder girdle_order = GirdleOrder::ProtractionFirst;
   GirdleDrives girdle_drives = GirdleDrives::Full;
-  bool base_follows_girdle = false;   ///< the girdle carries (rotates) the shoulder axes; false: a parallelogram keeps them level
-  double girdle_link_m = 0.0;         ///< fixed length used when there is no length drive; 0 = d_SG of the start posture
-  double min_singularity_rad = 0.0;   ///< paths nearer to the singular set than this are refused; 0 = only infeasible ones
+  bool base_follows_girdle = false;  ///< the girdle rotates the shoulder axes; false: a parallelogram keeps them level
+  double girdle_link_m = 0.0;        ///< fixed length used when there is no length drive; 0 = d_SG of the start posture
+  double min_singularity_rad = 0.0;  ///< paths nearer to the singular set are refused; 0 = only infeasible ones
   Vec6 lower = Vec6::Constant(-kNoExoLimit);  ///< device joint limits, rad; default none
   Vec6 upper = Vec6::Constant(kNoExoLimit);
 };
 
 /// Constants of three intersecting axes (X1), derived from the settings.
 struct ShoulderGeometry {
-  std::array<Vec3, 3> a;        ///< unit axes in the base frame at zero
-  Vec3 p3, s3;                  ///< unit, normal to a3, with a3 x p3 = s3
-  Vec3 u2, v2;                  ///< unit, normal to a2: u2 towards a1, v2 = a2 x u2
-  Vec3 a3_U, p3_U;              ///< C^T a3 and C^T p3: the same directions in the upper arm
-  double a12, a23;              ///< angles between consecutive axes, rad
-  double c23, s23;              ///< cosine and sine of a23
-  double psi, cos_psi, sin_psi; ///< q2 at which the three axes lie in one plane, a3 on the side of a1, rad
-  double cos_diff, sin_diff;    ///< of (a12 - a23)/2
-  double cos_sum, sin_sum;      ///< of (a12 + a23)/2
-  double least, most;           ///< reachable angles between the first and the third axis, rad
+  std::array<Vec3, 3> a;         ///< unit axes in the base frame at zero
+  Vec3 p3, s3;                   ///< unit, normal to a3, with a3 x p3 = s3
+  Vec3 u2, v2;                   ///< unit, normal to a2: u2 towards a1, v2 = a2 x u2
+  Vec3 a3_U, p3_U;               ///< C^T a3 and C^T p3: the same directions in the upper arm
+  double a12, a23;               ///< angles between consecutive axes, rad
+  double c23, s23;               ///< cosine and sine of a23
+  double psi, cos_psi, sin_psi;  ///< q2 at which the three axes lie in one plane, a3 on the side of a1, rad
+  double cos_diff, sin_diff;     ///< of (a12 - a23)/2
+  double cos_sum, sin_sum;       ///< of (a12 + a23)/2
+  double least, most;            ///< reachable angles between the first and the third axis, rad
 };
 
 /// Constant description of one device. A value; safe to share between threads.
@@ -67,9 +72,10 @@ class ExoModel {
 
   [[nodiscard]] const ExoSettings& settings() const noexcept { return settings_; }
   [[nodiscard]] const ShoulderGeometry& shoulder() const noexcept { return shoulder_; }
-  [[nodiscard]] const Mat3& R_GB() const noexcept { return R_GB_; }   ///< B: base in the girdle's last link
-  [[nodiscard]] const Mat3& R_LU() const noexcept { return R_LU_; }   ///< C: upper arm in the last shoulder link
-  [[nodiscard]] const Vec3& rest_centre() const noexcept { return rest_centre_; }   ///< where missing drives stand, m in T
+  [[nodiscard]] const Mat3& R_GB() const noexcept { return R_GB_; }  ///< B: base in the girdle's last link
+  [[nodiscard]] const Mat3& R_LU() const noexcept { return R_LU_; }  ///< C: upper arm in the last shoulder link
+  /// Where missing drives stand, m in T.
+  [[nodiscard]] const Vec3& rest_centre() const noexcept { return rest_centre_; }
 
  private:
   ExoSettings settings_;
@@ -89,7 +95,7 @@ void shoulder_centre_jet(const Rhythm& rhythm, const PostureJet& posture, PointJ
 /// Girdle coordinates (protraction rad, elevation rad, length m) of the point that the drives reach, with derivatives.
 struct GirdleJet {
   Vec3 q, dq, ddq;
-  double residual_m = 0.0;   ///< distance between that point and the glenohumeral centre
+  double residual_m = 0.0;  ///< distance between that point and the glenohumeral centre
 };
 
 /// Girdle joints that follow the centre (X5). Finite for every finite centre; on the axis of the first joint, where its angle
@@ -106,10 +112,10 @@ Mat3 exo_upper_arm(const ExoModel& model, const Vec6& q) noexcept;
 Vec3 exo_centre(const ExoModel& model, const Vec6& q, double length_m) noexcept;
 
 struct ShoulderSolution {
-  Vec3 q = Vec3::Zero();          ///< shoulder joints 1..3, rad, within pi of near_q
-  double margin_rad = 0.0;        ///< least rotation of the upper arm that reaches the edge of the feasible set; < 0 outside
-  double singularity_rad = 0.0;   ///< angle of joint 2 from the nearest place where the three axes are coplanar; >= 0
-  double axis_angle_rad = 0.0;    ///< between the first and the third axis
+  Vec3 q = Vec3::Zero();    ///< shoulder joints 1..3, rad, within pi of near_q
+  double margin_rad = 0.0;  ///< least rotation of the upper arm that reaches the edge of the feasible set; < 0 outside
+  double singularity_rad = 0.0;  ///< angle of joint 2 from the nearest place where the three axes are coplanar; >= 0
+  double axis_angle_rad = 0.0;   ///< between the first and the third axis
 };
 
 /// T for one posture: shoulder joints in closed form (X2, X3).
@@ -125,13 +131,13 @@ Status shoulder_joints(const ExoModel& model, const Mat3& R_TB, const Mat3& R_TU
 
 /// Everything about the device at one instant.
 struct ExoSample {
-  Vec6 q, dq, ddq;                ///< rad, rad/s, rad/s^2 (or per unit of the path parameter), order of ExoJoint
-  Vec3 length_m = Vec3::Zero();   ///< the possible length coordinate of the girdle with first and second derivative
-  double residual_m = 0.0;        ///< what the girdle's drives cannot reach
-  double margin_rad = 0.0;        ///< as in ShoulderSolution
-  double singularity_rad = 0.0;   ///< as in ShoulderSolution
-  double axis_angle_rad = 0.0;    ///< between the first and the third axis
-  double axis_angle_rate = 0.0;   ///< its derivative
+  Vec6 q, dq, ddq;               ///< rad, rad/s, rad/s^2 (or per unit of the path parameter), order of ExoJoint
+  Vec3 length_m = Vec3::Zero();  ///< the possible length coordinate of the girdle with first and second derivative
+  double residual_m = 0.0;       ///< what the girdle's drives cannot reach
+  double margin_rad = 0.0;       ///< as in ShoulderSolution
+  double singularity_rad = 0.0;  ///< as in ShoulderSolution
+  double axis_angle_rad = 0.0;   ///< between the first and the third axis
+  double axis_angle_rate = 0.0;  ///< its derivative
 };
 
 /// T with first and second derivatives (X2-X6).
@@ -163,7 +169,7 @@ Status choose_branch(const ExoModel& model, const Posture& posture, const Vec3& 
 struct ExoGuide {
   static constexpr int kIntervals = 32;
   ExoBranch branch = ExoBranch::First;
-  std::array<std::array<double, 3>, kIntervals + 1> shoulder_q{};   ///< at s = k/32, rad
+  std::array<std::array<double, 3>, kIntervals + 1> shoulder_q{};  ///< at s = k/32, rad
 };
 
 /// Guide of a device at rest.
@@ -181,16 +187,16 @@ const char* exo_joint_name(int joint) noexcept;
 /// What was found on the way; `at` is the parameter of each worst value.
 struct ExoPathCheck {
   ExoRefusal refusal = ExoRefusal::None;
-  ExoGuide guide;                  ///< branch that serves (or the wanted one if none) and its unwrapped angles
-  bool other_branch = false;       ///< the guide's branch is not the wanted one
-  double start_step_rad = 0.0;     ///< largest distance of the shoulder joints at the start from start.shoulder_q
-  double margin_rad = 0.0, margin_at = 0.0;             ///< feasibility, signed
+  ExoGuide guide;               ///< branch that serves (or the wanted one if none) and its unwrapped angles
+  bool other_branch = false;    ///< the guide's branch is not the wanted one
+  double start_step_rad = 0.0;  ///< largest distance of the shoulder joints at the start from start.shoulder_q
+  double margin_rad = 0.0, margin_at = 0.0;  ///< feasibility, signed
   double singularity_rad = 0.0, singularity_at = 0.0;
-  double limit_margin_rad = 0.0, limit_at = 0.0;        ///< joint limits, signed; kNoExoLimit without limits
-  int limit_joint = 0;                                  ///< ExoJoint
+  double limit_margin_rad = 0.0, limit_at = 0.0;  ///< joint limits, signed; kNoExoLimit without limits
+  int limit_joint = 0;                            ///< ExoJoint
   bool limit_at_upper = false;
-  double residual_m = 0.0, residual_at = 0.0;           ///< largest over the samples
-  int samples = 0;                                      ///< evaluations that this took
+  double residual_m = 0.0, residual_at = 0.0;  ///< largest over the samples
+  int samples = 0;                             ///< evaluations that this took
 };
 
 /// A motion over s in [0, 1]: writes posture and centre with derivatives with respect to s.
