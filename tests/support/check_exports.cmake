@@ -1,0 +1,17 @@
+# Fails unless the shared LIBRARY defines names with PREFIX and exports nothing else. NM is the tool.
+execute_process(COMMAND ${NM} --dynamic --defined-only --format=posix ${LIBRARY}
+  OUTPUT_VARIABLE listing COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL "[^\n]+" lines "${listing}")
+set(own 0)
+foreach(line IN LISTS lines)
+  string(REGEX REPLACE " .*" "" name "${line}")
+  if(name MATCHES "^${PREFIX}")
+    math(EXPR own "${own} + 1")
+  else()
+    message(SEND_ERROR "exported by mistake: ${name}")
+  endif()
+endforeach()
+if(own EQUAL 0)
+  message(FATAL_ERROR "no name ${PREFIX}* is exported")
+endif()
+message(STATUS "${own} names exported")
