@@ -74,7 +74,8 @@ void DiscreteGeodesic::evaluate(const ArmModel& arm, State& s) noexcept {
   const auto count = static_cast<std::size_t>(order()) + 1;
   for (std::size_t k = 0; k < count; ++k) {
     embed(arm, s.posture[k], free_end_ && k + 1 == count, s.node[k]);
-    std::copy(s.node[k].MF, s.node[k].MF + kEmbedding, s.momentum[k]);
+    // relative to the first node: S annihilates constants, and rounding then scales with the displacement
+    for (int i = 0; i < kEmbedding; ++i) s.momentum[k][i] = s.node[k].MF[i] - s.node[0].MF[i];
     s.momentum[k][18] = s.momentum[k][19] = 0.0;
   }
   energy_ = 0.0;
@@ -87,7 +88,7 @@ void DiscreteGeodesic::evaluate(const ArmModel& arm, State& s) noexcept {
     }
     std::copy(f, f + 5, reinterpret_cast<V4*>(s.force[k]));
     double dot = 0.0;
-    for (int i = 0; i < kEmbedding; ++i) dot += s.node[k].F[i] * s.force[k][i];
+    for (int i = 0; i < kEmbedding; ++i) dot += (s.node[k].F[i] - s.node[0].F[i]) * s.force[k][i];
     energy_ += 0.5 * dot;
   }
   s.end_gradient = transpose_times(s.node[count - 1].J, s.force[count - 1]);
@@ -243,8 +244,8 @@ double DiscreteGeodesic::speed_variation() const noexcept {
     for (std::size_t j = 0; j < count; ++j) {
       const double w = grid_->derivative[k * count + j];
       for (int i = 0; i < kEmbedding; ++i) {
-        velocity[i] += w * current_->node[j].F[i];
-        momentum[i] += w * current_->node[j].MF[i];
+        velocity[i] += w * (current_->node[j].F[i] - current_->node[0].F[i]);
+        momentum[i] += w * current_->momentum[j][i];
       }
     }
     double twice = 0.0;

@@ -16,7 +16,9 @@ constexpr int kMaxIterations = 40;        // per grid
 constexpr double kLooseStep = 3e-2;       // rad; for grids that are refined anyway
 constexpr double kStepCap = 0.6;          // rad; largest nodal change of one step
 constexpr double kArmijo = 1e-4;
+constexpr double kQuadraticZone = 1e-4;   // rad; full steps below it are taken as they are
 constexpr double kLeastDamping = 1e-3;
+constexpr int kRetryOrder = 24;           // first grid of a second attempt in the short class
 
 bool finite(const Posture& p) { return p.R_TU.allFinite() && std::isfinite(p.phi); }
 
@@ -76,10 +78,10 @@ struct Newton {
     if (!std::isfinite(size)) return -1.0;
     double scale = std::min(1.0, kStepCap / std::max(size, 1e-300));
     const double before = d.energy();
-    const double noise = 1e-13 * before;
+    const bool settled = positive && size < kQuadraticZone;   // there the energy cannot tell steps from rounding
     while (true) {
       d.move(arm, scale);
-      if (d.energy() <= before + kArmijo * scale * slope + noise) break;
+      if (settled || d.energy() <= before + kArmijo * scale * slope) break;
       scale *= 0.5;
       if (scale < kLeastDamping) return -1.0;
     }
@@ -151,6 +153,7 @@ Status GeodesicSolver::Workspace::run(const ArmModel& arm, const Posture& start,
   }
   c.order = d.order();
   c.gradient = d.gradient_size();
+  c.speed_variation = d.speed_variation();
   c.long_way = turns_long_way(d);
   return Status::Ok;
 }
@@ -168,6 +171,11 @@ Status GeodesicSolver::solve(const ArmModel& arm, const Posture& start, const Po
   Status status = w.run(arm, start, end, nullptr, options, warm, false, path, certificate);
   if (status != Status::Ok && warm != nullptr) {
     status = w.run(arm, start, end, nullptr, options, nullptr, false, path, certificate);
+  }
+  if (status != Status::Ok && options.max_order > kRetryOrder) {
+    GeodesicOptions finer = options;
+    finer.first_order = kRetryOrder;
+    status = w.run(arm, start, end, nullptr, finer, nullptr, false, path, certificate);
   }
   if (status != Status::Ok) status = w.run(arm, start, end, nullptr, options, nullptr, true, path, certificate);
   if (status != Status::Ok) return status;

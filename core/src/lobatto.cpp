@@ -66,16 +66,20 @@ Lobatto make_table(int n) {
     D[i * count + i] = -row;  // constants have derivative zero, exactly
   }
   for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t j = 0; j < count; ++j) {
+    for (std::size_t j = 0; j <= i; ++j) {
       double s = 0.0;
       for (std::size_t k = 0; k < count; ++k) s += D[k * count + i] * g.weight[k] * D[k * count + j];
-      g.stiffness[i * count + j] = s;
+      g.stiffness[i * count + j] = g.stiffness[j * count + i] = s;
     }
   }
-  for (int m = 0; m <= n; ++m) {
-    const double norm = m < n ? 2.0 * m + 1.0 : n;  // discrete norm of P_N on this grid is 2/N
-    for (std::size_t k = 0; k < count; ++k) {
-      g.to_legendre[static_cast<std::size_t>(m) * count + k] = norm * g.weight[k] * legendre(m, x[k]).value;
+  for (std::size_t k = 0; k < count; ++k) {
+    double p0 = 0.0, p1 = 1.0;  // P_(m-1), P_m at this node
+    for (int m = 0; m <= n; ++m) {
+      const double norm = m < n ? 2.0 * m + 1.0 : n;  // discrete norm of P_N on this grid is 2/N
+      g.to_legendre[static_cast<std::size_t>(m) * count + k] = norm * g.weight[k] * p1;
+      const double p2 = ((2 * m + 1) * x[k] * p1 - m * p0) / (m + 1);
+      p0 = p1;
+      p1 = p2;
     }
   }
   return g;

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <string>
 
+#include "glenoid/mass_matrix.hpp"
 #include "motion_jet.hpp"
 #include "problems.hpp"
 
@@ -20,6 +21,13 @@ constexpr double kRestRate = 1e-9;            // rad/s below which nothing has t
 constexpr double kStartTolerance = 1e-9;      // rad
 
 Vec3 mirror_if(bool left, const Vec3& p) { return left ? Vec3(-p.x(), p.y(), p.z()) : p; }
+
+/// Time that the movement under way still needs, by the clock of its larger part.
+double remaining_time(const MotionState& s, double time) {
+  if (s.stopping != 0) return s.stop_time_s + s.stop_duration_s - time;
+  const double early = s.move_time_s + s.fade_duration_s - time;
+  return s.fade_share > 0.5 && early > kLeastFade ? early : s.move_time_s + s.duration_s - time;
+}
 
 /// Settings that scale_subject, Rhythm, JointLimits and ExoModel do not check themselves.
 void validate(const MotionSettings& s, double start_time) {
@@ -91,6 +99,7 @@ struct MotionGenerator::Impl {
   void begin_stop(double time, MotionStatus status_after);
   Status make_plan(double time, const Posture& start, const Vec3& target);
   void start_movement(double time, const PostureJet& jet);
+  [[nodiscard]] double shared_way(double time, const Posture& now) const;
   void build_guide(const Vec4& near_q);
   void check_limits_on_the_way();
   Status check_exo(double time, const PostureJet& jet);
@@ -149,6 +158,24 @@ Status MotionGenerator::Impl::make_plan(double time, const Posture& start, const
   return planner.replan_minimum_energy(arm, start, target, state.path, progress.value, plan);
 }
 
+/// Share of the new way, 0..1, that the movement under way would have gone anyway (T3): that part keeps its clock.
+double MotionGenerator::Impl::shared_way(double time, const Posture& now) const {
+  if (state.stopping != 0) return 0.0;
+  PostureJet jet;
+  ScalarJet progress;
+  movement_jet(state, time, jet, &progress);
+  PostureRates earlier, planned, unused;
+  evaluate_path(state.path, progress.value, jet);
+  body_rates(jet, earlier, unused);
+  evaluate_path(plan.path, 0.0, jet);
+  body_rates(jet, planned, unused);
+  const Vec4 a = (1.0 - progress.value) * (Vec4() << earlier.w_TU_U, earlier.phi).finished();
+  const Vec4 b = (Vec4() << planned.w_TU_U, planned.phi).finished();
+  const Vec4 p = body_mass_matrix(arm, now) * b;
+  const double whole = b.dot(p);
+  return whole > 0.0 ? std::clamp(a.dot(p) / whole, 0.0, 1.0) : 0.0;
+}
+
 /// Fills `next` with the planned path, the earlier motion fading out.
 void MotionGenerator::Impl::start_movement(double time, const PostureJet& jet) {
   next.move_time_s = time;
@@ -164,12 +191,9 @@ void MotionGenerator::Impl::start_movement(double time, const PostureJet& jet) {
   PostureRates v, a;
   body_rates(jet, v, a);
   next.fade_w = v.w_TU_U, next.fade_dw = a.w_TU_U, next.fade_dphi = v.phi, next.fade_ddphi = a.phi;
-  const double rate = std::max(v.w_TU_U.cwiseAbs().maxCoeff(), std::abs(v.phi));
-  next.fade_duration_s = 0.0;
-  if (!at_rest(state, time) && rate > kRestRate) {
-    const double end = state.stopping != 0 ? state.stop_time_s + state.stop_duration_s : state.move_time_s + state.duration_s;
-    next.fade_duration_s = std::min(next.duration_s, std::max(end - time, kLeastFade));
-  }
+  const bool fades = !at_rest(state, time) && std::max(v.w_TU_U.cwiseAbs().maxCoeff(), std::abs(v.phi)) > kRestRate;
+  next.fade_duration_s = fades ? std::clamp(remaining_time(state, time), kLeastFade, next.duration_s) : 0.0;
+  next.fade_share = fades ? shared_way(time, jet_posture(jet)) : 0.0;
   next.hand_timing = settings.timing == TimingLaw::MinimumJerkHand && fit_hand_clock(arm, next.path, next.hand_clock) ? 1 : 0;
 }
 
@@ -364,16 +388,22 @@ const char* MotionGenerator::message() const noexcept { return impl_->message.da
 const MotionState& MotionGenerator::state() const noexcept { return impl_->state; }
 
 Status MotionGenerator::restore(const MotionState& s) noexcept {
-  bool ok = std::isfinite(s.move_time_s) && s.duration_s >= kLeastDuration && s.duration_s <= kMostDuration &&
-            s.next_duration_s >= kLeastDuration && s.next_duration_s <= kMostDuration && s.path.order >= 0 &&
-            s.path.order <= kMaxPathOrder && s.rest_status >= 1 && s.rest_status <= 8 && std::isfinite(s.path.energy) &&
-            s.target.allFinite() && s.refused_target.allFinite() && std::isfinite(s.stop_time_s) &&
-            std::isfinite(s.stop_duration_s) && std::isfinite(s.fade_duration_s) && s.fade_w.allFinite() &&
-            s.fade_dw.allFinite() && std::isfinite(s.fade_dphi) && std::isfinite(s.fade_ddphi);
-  for (const auto& row : s.path.legendre) {
-    for (const double c : row) ok = ok && std::isfinite(c);
+  const auto within = [](double v, double lower, double upper) { return v >= lower && v <= upper; };
+  bool ok = within(s.duration_s, kLeastDuration, kMostDuration) && within(s.next_duration_s, kLeastDuration, kMostDuration) &&
+            s.path.order >= 0 && s.path.order <= kMaxPathOrder && s.rest_status >= 1 && s.rest_status <= 8 &&
+            std::abs(static_cast<int>(s.exo_guide.branch)) == 1 && s.target.allFinite() && s.refused_target.allFinite() &&
+            s.fade_w.allFinite() && s.fade_dw.allFinite();
+  const Certificate& c = s.certificate;
+  for (const double v : {s.move_time_s, s.stop_time_s, s.stop_duration_s, s.fade_duration_s, s.fade_share, s.fade_dphi, s.fade_ddphi,
+                         s.path.energy, c.newton_step_rad, c.gradient, c.spectral_tail, c.speed_variation, c.hand_error_m,
+                         c.transversality, c.rotation_angle_rad, c.limits.lambda, c.limits.worst.margin_rad}) {
+    ok = ok && std::isfinite(v);
   }
+  for (const Posture& p : s.path.nodes) ok = ok && p.R_TU.allFinite() && std::isfinite(p.phi);
+  for (const auto& row : s.path.legendre) ok = ok && std::all_of(row.begin(), row.end(), [](double v) { return std::isfinite(v); });
   for (const Vec4& q : s.guide_q) ok = ok && q.allFinite();
+  for (const double v : s.hand_clock.legendre) ok = ok && std::isfinite(v);
+  for (const auto& q : s.exo_guide.shoulder_q) ok = ok && std::all_of(q.begin(), q.end(), [](double v) { return std::isfinite(v); });
   if (!ok) return Status::OutOfRange;
   impl_->state = s;
   return Status::Ok;

@@ -89,6 +89,12 @@ void movement_jet(const MotionState& s, double time, PostureJet& out, ScalarJet*
   ScalarJet lambda{};
   if (s.moving != 0) {
     lambda = minimum_jerk(time, s.move_time_s, s.duration_s);
+    if (s.fade_share > 0.0) {
+      const ScalarJet early = minimum_jerk(time, s.move_time_s, s.fade_duration_s);
+      const double w = s.fade_share;
+      lambda = {(1.0 - w) * lambda.value + w * early.value, (1.0 - w) * lambda.d1 + w * early.d1,
+                (1.0 - w) * lambda.d2 + w * early.d2};
+    }
     if (s.hand_timing != 0) {
       const ScalarJet h = lambda;
       lambda = chain(hand_lambda(s.hand_clock, h.value), h);

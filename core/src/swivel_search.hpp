@@ -36,7 +36,8 @@ class SwivelSearch {
   ReachPlan trial;   ///< scratch for callers between calls
 
  private:
-  static constexpr int kMaxSamples = 96;
+  // cells of 25 deg over one turn in at most kMaxArcs arcs
+  static constexpr int kMaxSamples = 48;
   static constexpr int kMaxCandidates = 32;
 
   bool coarse_energy(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,

@@ -124,10 +124,10 @@ void visit_member(Visitor& visit, Member& member) noexcept {
 
 template <class Visitor, class Motion>
 void visit_motion(Visitor& visit, Motion& motion) noexcept {
-  auto& [move_time, duration, next_duration, stop_time, stop_duration, fade_duration, moving, stopping, rest_status,
+  auto& [move_time, duration, next_duration, stop_time, stop_duration, fade_duration, fade_share, moving, stopping, rest_status,
          target_known, refused, hand_timing, target, refused_target, fade_w, fade_dw, fade_dphi, fade_ddphi, guide_q,
          hand_clock, exo_guide, path, certificate] = motion;
-  visit_all(visit, move_time, duration, next_duration, stop_time, stop_duration, fade_duration, moving, stopping,
+  visit_all(visit, move_time, duration, next_duration, stop_time, stop_duration, fade_duration, fade_share, moving, stopping,
             rest_status, target_known, refused, hand_timing, target, refused_target, fade_w, fade_dw, fade_dphi, fade_ddphi,
             guide_q, hand_clock, exo_guide, path, certificate);
 }

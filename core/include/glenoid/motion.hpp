@@ -111,6 +111,7 @@ struct MotionState {
   double stop_time_s = 0.0;         ///< when the controlled stop began
   double stop_duration_s = 0.0;
   double fade_duration_s = 0.0;     ///< 0: nothing of an earlier motion is left
+  double fade_share = 0.0;          ///< share of the path, 0..1, that keeps the clock of the earlier motion (T3)
   int moving = 0;                   ///< a movement was accepted
   int stopping = 0;
   int rest_status = 1;              ///< MotionStatus once at rest
