@@ -1,4 +1,5 @@
-// The 34 functions of FMI 2.0 for co-simulation: conversions of arguments, no logic.
+// The 34 functions of FMI 2.0 for co-simulation: conversions of arguments, no logic. The ten of model exchange follow, since
+// some importers look for all of them before they ask for the kind.
 #include <cstring>
 #include <memory>
 #include <string>
@@ -197,5 +198,20 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2
   });
 }
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind, fmi2String*) { return no_status(c, __func__); }
+
+// Model exchange
+
+fmi2Status fmi2EnterEventMode(fmi2Component c) { return unsupported(c, __func__); }
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo*) { return unsupported(c, __func__); }
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return unsupported(c, __func__); }
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean, fmi2Boolean*, fmi2Boolean*) {
+  return unsupported(c, __func__);
+}
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real) { return unsupported(c, __func__); }
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real[], size_t) { return unsupported(c, __func__); }
+fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real[], size_t) { return unsupported(c, __func__); }
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real[], size_t) { return unsupported(c, __func__); }
+fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real[], size_t) { return unsupported(c, __func__); }
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real[], size_t) { return unsupported(c, __func__); }
 
 }  // extern "C"

@@ -1,49 +1,32 @@
-"""Archives under test: GLENOID_BUILD_DIR/fmu (default build/fmu), each unpacked once."""
+"""Fixtures: the archives under test, each unpacked once, and instances of them."""
 
-import importlib.util
-import os
 import random
+import sys
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
-BUILD = Path(os.environ.get("GLENOID_BUILD_DIR", ROOT / "build"))
-FILES = {"fmi2": "Glenoid_fmi2.fmu", "fmi3": "Glenoid.fmu"}
-SEED = int(os.environ.get("GLENOID_TEST_SEED", "20261122"))
-
-
-def load(name):
-    """A module beside this file or in fmu/scripts, without a package."""
-    for folder in (Path(__file__).parent, ROOT / "fmu/scripts"):
-        if (folder / f"{name}.py").exists():
-            specification = importlib.util.spec_from_file_location(name, folder / f"{name}.py")
-            module = importlib.util.module_from_spec(specification)
-            specification.loader.exec_module(module)
-            return module
-    raise ModuleNotFoundError(name)
-
-
-driver = load("driver")
+sys.path.insert(0, str(Path(__file__).parent))
+import fmu_driver  # noqa: E402
 
 
 def pytest_report_header():
-    return f"FMUs: {BUILD / 'fmu'}, seed {SEED} (GLENOID_TEST_SEED)"
+    return f"FMUs: {fmu_driver.BUILD / 'fmu'}, seed {fmu_driver.SEED} (GLENOID_TEST_SEED)"
 
 
 @pytest.fixture(scope="session")
 def build_folder():
-    return BUILD / "fmu"
+    return fmu_driver.BUILD / "fmu"
 
 
 @pytest.fixture(scope="session")
 def archives(tmp_path_factory, build_folder):
     return {
-        key: driver.Archive(build_folder / name, tmp_path_factory.mktemp(f"unpacked {key}")) for key, name in FILES.items()
+        key: fmu_driver.Archive(build_folder / name, tmp_path_factory.mktemp(f"unpacked {key}")) for key, name in fmu_driver.FILES.items()
     }
 
 
-@pytest.fixture(scope="session", params=list(FILES))
+@pytest.fixture(scope="session", params=list(fmu_driver.FILES))
 def archive(request, archives):
     """Each archive in turn."""
     return archives[request.param]
@@ -55,7 +38,7 @@ def new(archive):
     made = []
 
     def make(**options):
-        made.append(driver.Instance(archive, **options))
+        made.append(fmu_driver.Instance(archive, **options))
         return made[-1]
 
     yield make
@@ -65,7 +48,7 @@ def new(archive):
 
 @pytest.fixture
 def rng():
-    return random.Random(SEED)
+    return random.Random(fmu_driver.SEED)
 
 
 @pytest.fixture(scope="session")

@@ -44,9 +44,7 @@ TOGETHER = {
     "start outside limits": ({"limits.upper[4]": 0.9}, ["start", "phi", "rad"]),
     "axis of length zero": ({"exo.axis1": (0, 0, 0)}, ["exo.axis1"]),
     "axis not a unit vector": ({"exo.axis2": (1, 1, 0)}, ["exo.axis2"]),
-    "rhythm not available": ({"rhythm.model": 3}, ["rhythm.model", "3"]),
     "swivel prior not available": ({"swivel.mode": 3}, ["swivel.mode", "3"]),
-    "impossible forearm": ({"subject.forearmLength": 1e-9}, ["forearm", "m"]),
 }
 
 

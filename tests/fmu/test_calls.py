@@ -3,8 +3,9 @@
 import ctypes
 import subprocess
 import sys
+from pathlib import Path
 
-import conftest
+import fmu_driver
 import pytest
 
 OK, WARNING, DISCARD, ERROR = range(4)
@@ -95,15 +96,15 @@ def test_wrong_token_gives_no_instance_and_a_reason(new):
 
 
 def test_other_interface_types_give_no_instance_and_a_reason(archive):
-    log = conftest.driver.Message
+    log = fmu_driver.Message
     messages = []
     token = archive.token.encode()
     if archive.version == 2:
-        logger = conftest.driver.LOGGER2(lambda _e, _n, s, c, m: messages.append(log(s, c.decode(), m.decode())))
-        callbacks = conftest.driver.Callbacks2(logger, None, None, None, None)
+        logger = fmu_driver.LOGGER2(lambda _e, _n, s, c, m: messages.append(log(s, c.decode(), m.decode())))
+        callbacks = fmu_driver.Callbacks2(logger, None, None, None, None)
         assert not archive.library.fmi2Instantiate(b"x", 0, token, b"", ctypes.byref(callbacks), 0, 1)
     else:
-        logger = conftest.driver.LOGGER3(lambda _e, s, c, m: messages.append(log(s, c.decode(), m.decode())))
+        logger = fmu_driver.LOGGER3(lambda _e, s, c, m: messages.append(log(s, c.decode(), m.decode())))
         instantiate = archive.library.fmi3InstantiateModelExchange
         instantiate.restype = ctypes.c_void_p
         assert not instantiate(b"x", token, b"", ctypes.c_bool(False), ctypes.c_bool(True), None, logger)
@@ -155,7 +156,7 @@ def test_percent_signs_are_doubled_for_the_variadic_logger_only(archives):
     """The token is echoed in the message: FMI 2 importers run the text through printf."""
     for archive in archives.values():
         texts = []
-        unit = conftest.driver.Instance.__new__(conftest.driver.Instance)
+        unit = fmu_driver.Instance.__new__(fmu_driver.Instance)
         unit._log = lambda _s, _c, text, texts=texts: texts.append(text)
         unit.__init__(archive, token="%s%n")
         assert not unit.handle
@@ -198,7 +199,7 @@ def test_null_instance_and_null_pointers_are_errors_not_crashes(new, archive):
     unit = make(new, "step")
     sizes = (None, ctypes.c_size_t(1), None) + ((ctypes.c_size_t(1),) if archive.version == 3 else ())
     for prefix in ("Get", "Set"):
-        suffix = conftest.driver.ACCESS["real"][archive.version - 2][0]
+        suffix = fmu_driver.ACCESS["real"][archive.version - 2][0]
         assert unit.call(prefix + suffix, *sizes) == DISCARD
     assert unit.step(0.0, H) == OK
 
@@ -206,9 +207,9 @@ def test_null_instance_and_null_pointers_are_errors_not_crashes(new, archive):
 CONSOLE = """
 import sys, pathlib, json
 sys.path.insert(0, sys.argv[1])
-import driver
-archive = driver.Archive(pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3]))
-with driver.Instance(archive, logging=False) as unit:
+import fmu_driver
+archive = fmu_driver.Archive(pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3]))
+with fmu_driver.Instance(archive, logging=False) as unit:
     unit.initialize()
     unit.set("target", (3.0, 3.0, 3.0))
     unit.run(0, 0.25, 1 / 512)
@@ -218,7 +219,7 @@ with driver.Instance(archive, logging=False) as unit:
 
 
 def test_nothing_is_written_to_the_console(archive, tmp_path):
-    folder = str(conftest.Path(__file__).parent)
+    folder = str(Path(__file__).parent)
     command = [sys.executable, "-c", CONSOLE, folder, str(archive.path), str(tmp_path)]
     done = subprocess.run(command, capture_output=True, check=True)
     assert (done.stdout, done.stderr) == (b"", b"")
@@ -260,11 +261,11 @@ long run(int version, void* step, void* set, void* instance, double h, int steps
 COUNT = """
 import sys, pathlib, ctypes
 sys.path.insert(0, sys.argv[1])
-import driver
-archive = driver.Archive(pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3]))
+import fmu_driver
+archive = fmu_driver.Archive(pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3]))
 shim = ctypes.CDLL(None)
 shim.run.restype = ctypes.c_long
-with driver.Instance(archive, logging=False, logger=False) as unit:
+with fmu_driver.Instance(archive, logging=False, logger=False) as unit:
     unit.initialize()
     v = archive.version
     step, put = getattr(archive.library, f"fmi{v}DoStep"), getattr(archive.library, "fmi2SetReal" if v == 2 else "fmi3SetFloat64")
@@ -278,7 +279,7 @@ def test_steps_do_not_touch_the_heap(archive, tmp_path):
     source, shim = tmp_path / "shim.c", tmp_path / "shim.so"
     source.write_text(SHIM)
     subprocess.run(["cc", "-O1", "-fno-builtin", "-shared", "-fPIC", "-o", shim, source, "-ldl"], check=True)
-    command = [sys.executable, "-c", COUNT, str(conftest.Path(__file__).parent), str(archive.path), str(tmp_path / "u")]
+    command = [sys.executable, "-c", COUNT, str(Path(__file__).parent), str(archive.path), str(tmp_path / "u")]
     done = subprocess.run(command, capture_output=True, text=True, env={"LD_PRELOAD": str(shim)}, check=False)
     assert done.returncode == 0, done.stderr
     in_steps, total = map(int, done.stdout.split())
@@ -287,7 +288,7 @@ def test_steps_do_not_touch_the_heap(archive, tmp_path):
 
 
 def test_real_status_answers_after_a_refused_step(archives):
-    with conftest.driver.Instance(archives["fmi2"]) as unit:
+    with fmu_driver.Instance(archives["fmi2"]) as unit:
         unit.initialize()
         unit.run(0, 0.25, H)
         assert unit.step(0.25, -1.0) == DISCARD

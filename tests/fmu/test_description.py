@@ -7,7 +7,7 @@ import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
-import conftest
+import fmu_driver
 import fmpy
 import fmpy.validation
 import pytest
@@ -15,7 +15,7 @@ from lxml import etree
 
 OK = 0
 SCHEMAS = Path(fmpy.__file__).parent / "schema"
-ROOT = conftest.ROOT
+ROOT = fmu_driver.ROOT
 
 
 def schema_errors(schema, document):
@@ -69,7 +69,7 @@ def test_every_variable_is_described(archive):
 
 
 def test_start_values_are_those_of_the_library(archive):
-    with conftest.driver.Instance(archive) as unit:
+    with fmu_driver.Instance(archive) as unit:
         assert unit.enter() == OK
         for variable in archive.variables.values():
             if variable.start is not None:
@@ -142,7 +142,7 @@ def test_initial_outputs_depend_on_what_is_declared_and_no_more(archives, name):
         for entry in archive.root.findall("ModelStructure/InitialUnknown")
         if changed & set(map(int, entry.attrib["dependencies"].split()))
     }
-    with conftest.driver.Instance(archive) as plain, conftest.driver.Instance(archive) as other:
+    with fmu_driver.Instance(archive) as plain, fmu_driver.Instance(archive) as other:
         plain.initialize()
         other.initialize(**{name: OTHER_VALUES[name]})
         pairs = zip(archive.outputs, plain.outputs(), other.outputs(), strict=True)
@@ -158,7 +158,7 @@ def test_every_parameter_is_tried_above(archives):
 def test_an_output_does_not_depend_on_inputs_of_the_same_moment(archive):
     """ModelStructure declares no direct feedthrough."""
     assert all(entry.get("dependencies") == "" for entry in archive.root.findall("ModelStructure/Output"))
-    with conftest.driver.Instance(archive) as unit:
+    with fmu_driver.Instance(archive) as unit:
         unit.initialize()
         unit.run(0, 0.5, 1 / 512)
         before = unit.outputs()

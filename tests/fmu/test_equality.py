@@ -1,6 +1,8 @@
 """One motion, however it is computed: FMI 2, FMI 3, either compiler, the core itself; bit for bit."""
 
-import conftest
+import random
+
+import fmu_driver
 import fmpy
 import numpy as np
 import pytest
@@ -51,8 +53,8 @@ def test_fmi2_and_fmi3_agree_through_fmpy(archives):
 def test_fmi2_and_fmi3_agree_while_wandering(archives):
     traces = []
     for archive in archives.values():
-        with conftest.driver.Instance(archive) as unit:
-            traces.append(wander(unit.initialize(), conftest.random.Random(conftest.SEED)))
+        with fmu_driver.Instance(archive) as unit:
+            traces.append(wander(unit.initialize(), random.Random(fmu_driver.SEED)))
     assert same_bits(*traces)
 
 
@@ -61,10 +63,10 @@ def test_both_compilers_give_the_same_bits(archives, build_folder, tmp_path):
     if not (build_folder / "binaries").exists():
         pytest.skip("built without ziglang: there is one compiler only")
     archive = archives["fmi3"]
-    other = conftest.driver.Archive(archive.path, tmp_path, library=host)
-    with conftest.driver.Instance(archive) as a, conftest.driver.Instance(other) as b:
-        first = wander(a.initialize(), conftest.random.Random(conftest.SEED))
-        second = wander(b.initialize(), conftest.random.Random(conftest.SEED))
+    other = fmu_driver.Archive(archive.path, tmp_path, library=host)
+    with fmu_driver.Instance(archive) as a, fmu_driver.Instance(other) as b:
+        first = wander(a.initialize(), random.Random(fmu_driver.SEED))
+        second = wander(b.initialize(), random.Random(fmu_driver.SEED))
     differing = np.argwhere(first != second)
     assert len(differing) == 0, (
         f"{len(differing)} of {first.size} numbers differ, first at step {differing[0][0]}, "
@@ -76,7 +78,7 @@ def test_the_fmu_equals_the_core(core, archive, rng):
     settings = core.MotionSettings()
     generator = core.MotionGenerator(settings, 0.0)
     target = [v.start for v in archive.variables.values() if v.name.startswith("target")]
-    with conftest.driver.Instance(archive) as unit:
+    with fmu_driver.Instance(archive) as unit:
         unit.initialize()
         for k in range(1500):
             if rng.random() < 0.01:

@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-import conftest
+import fmu_driver
 import fmpy
 import numpy as np
 import pytest
@@ -126,7 +126,7 @@ def test_ecos_agrees(archive, expected, tmp_path):
 
 
 def test_fmpy_steps_by_hand_agree(archive, expected):
-    with conftest.driver.Instance(archive) as unit:
+    with fmu_driver.Instance(archive) as unit:
         unit.initialize()
         for k in range(STEPS):
             assert unit.step(k * STEP, STEP) == 0

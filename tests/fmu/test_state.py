@@ -3,7 +3,7 @@
 import ctypes
 import threading
 
-import conftest
+import fmu_driver
 import pytest
 
 OK, WARNING, DISCARD, ERROR = range(4)
@@ -70,7 +70,7 @@ def test_a_state_carries_its_parameters(new):
 
 def test_a_state_of_the_other_version_is_the_same_state(archives):
     """The bytes are a property of the motion, not of the interface."""
-    with conftest.driver.Instance(archives["fmi2"]) as two, conftest.driver.Instance(archives["fmi3"]) as three:
+    with fmu_driver.Instance(archives["fmi2"]) as two, fmu_driver.Instance(archives["fmi3"]) as three:
         saved = []
         for unit in (two.initialize(), three.initialize()):
             drive(unit, 0, 0.5)
@@ -158,7 +158,7 @@ def test_memory_is_flat_over_many_lives(archive, initialize):
 
     def live(count):
         for _ in range(count):
-            with conftest.driver.Instance(archive, logging=False, logger=False) as unit:
+            with fmu_driver.Instance(archive, logging=False, logger=False) as unit:
                 if initialize:
                     assert unit.enter() == OK
                     assert unit.exit() == OK

@@ -14,10 +14,12 @@ function(glenoid_zig_library platform result)
   set(flags -target ${target_${platform}} -std=c++20 -O3 -DNDEBUG -ffp-contract=off -fno-sanitize=all -fPIC
             -fvisibility=hidden -fvisibility-inlines-hidden -ffile-prefix-map=${CMAKE_SOURCE_DIR}=. -s -shared)
   set(suffix .so)
+  set(sources ${core_sources} ${fmu_sources})
   if(platform MATCHES "x86_64")
     list(APPEND flags -mcpu=x86_64_v2)
   endif()
   if(platform MATCHES "linux")
+    list(APPEND sources ${CMAKE_CURRENT_SOURCE_DIR}/zig/unload_elf.cpp)
     list(APPEND flags -Wl,-z,defs -Wl,--version-script=${CMAKE_CURRENT_SOURCE_DIR}/exports.map)
   elseif(platform MATCHES "windows")
     set(suffix .dll)
@@ -29,11 +31,11 @@ function(glenoid_zig_library platform result)
   add_custom_command(OUTPUT ${library}
     COMMAND ${CMAKE_COMMAND} -E env ZIG_GLOBAL_CACHE_DIR=${CMAKE_CURRENT_BINARY_DIR}/zig-cache
             ZIG_LOCAL_CACHE_DIR=${CMAKE_CURRENT_BINARY_DIR}/zig-cache
-            ${GLENOID_ZIG_PYTHON} -m ziglang c++ ${flags} ${core_sources} ${fmu_sources}
+            ${GLENOID_ZIG_PYTHON} -m ziglang c++ ${flags} ${sources}
             -I ${generated} -I ${CMAKE_CURRENT_SOURCE_DIR}/src -I ${CMAKE_SOURCE_DIR}/core/include
             -isystem ${CMAKE_CURRENT_SOURCE_DIR}/headers -isystem ${eigen_include} -o ${library}
-    DEPENDS ${core_sources} ${fmu_sources} ${headers} ${table} ${CMAKE_CURRENT_SOURCE_DIR}/exports.map
-            ${CMAKE_CURRENT_SOURCE_DIR}/ZigLibrary.cmake
+    DEPENDS ${sources} ${headers} ${table} ${CMAKE_CURRENT_SOURCE_DIR}/exports.map
+            ${CMAKE_CURRENT_SOURCE_DIR}/zig/ZigLibrary.cmake
     COMMENT "Glenoid${suffix} for ${platform} (zig; the first time it also compiles its C++ library)" VERBATIM)
   set(${result} ${library} PARENT_SCOPE)
 endfunction()

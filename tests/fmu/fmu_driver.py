@@ -1,11 +1,20 @@
-"""Drives one FMU archive of either version directly through its C functions: every status and message is seen."""
+"""Drives one FMU archive of either version directly through its C functions: every status and message is seen.
+
+The archives are those in GLENOID_BUILD_DIR/fmu (default build/fmu).
+"""
 
 import ctypes
+import os
 import platform
 import xml.etree.ElementTree as ET
 import zipfile
 from pathlib import Path
 from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = Path(os.environ.get("GLENOID_BUILD_DIR", ROOT / "build"))
+FILES = {"fmi2": "Glenoid_fmi2.fmu", "fmi3": "Glenoid.fmu"}
+SEED = int(os.environ.get("GLENOID_TEST_SEED", "20261122"))
 
 OK, WARNING, DISCARD, ERROR = range(4)
 KINDS = {"Real": "real", "Float64": "real", "Enumeration": "integer", "Boolean": "boolean"}
