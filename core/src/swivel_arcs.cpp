@@ -7,7 +7,11 @@ namespace glenoid {
 namespace {
 
 constexpr double kEdgeTolerance = 1e-11;   // rad of psi
+constexpr double kLimitRounding = 5e-10;   // rad; a posture that sits on a limit is inside, whatever its last digits say
 constexpr double kNarrow = 0.35;           // rad of margin per ring step that an extremum between samples may hide, at 72
+
+/// Margin by which feasibility is decided.
+double slack(const RingSample& s) { return s.exists ? s.margin.margin_rad + kLimitRounding : -1e3; }
 
 /// Explores the margin along one loop.
 struct Explorer {
@@ -21,9 +25,8 @@ struct Explorer {
     s.opening = opening;
     sample_loop(arm, wrist, loop, psi, s);
     opening = s.opening;
-    if (!s.exists) return -1e3;
-    if (s.margin.margin_rad > out.best.margin_rad) out.best = s.margin;
-    return s.margin.margin_rad;
+    if (s.exists && s.margin.margin_rad > out.best.margin_rad) out.best = s.margin;
+    return slack(s);
   }
 
   /// Last feasible psi between a feasible and an infeasible one.
@@ -110,7 +113,7 @@ void scan_loop(const ArmModel& arm, const Vec3& wrist, int index, int ring, Feas
   };
   for (int k = 0; k < ring; ++k) {
     const RingSample &s0 = at(k - 1), &s1 = at(k), &s2 = at(k + 1);
-    const double m0 = s0.margin.margin_rad, m1 = s1.margin.margin_rad, m2 = s2.margin.margin_rad;
+    const double m0 = slack(s0), m1 = slack(s1), m2 = slack(s2);
     const double psi = k * spacing, hidden = kNarrow * FeasibleSet::kRing / ring;
     const bool all_in = m0 >= 0.0 && m1 >= 0.0 && m2 >= 0.0, all_out = m0 < 0.0 && m1 < 0.0 && m2 < 0.0;
     const bool narrow_arc = all_out && m1 >= m0 && m1 > m2 && m1 > -hidden;
@@ -132,7 +135,7 @@ void scan_loop(const ArmModel& arm, const Vec3& wrist, int index, int ring, Feas
     if (m1 < 0.0 && m2 >= 0.0) add(explorer.edge(psi + spacing, psi, m2, m1, s2.opening), true);
   }
   std::sort(crossings.begin(), crossings.begin() + count, [](const Crossing& a, const Crossing& b) { return a.psi < b.psi; });
-  connect(crossings, count, at(0).margin.margin_rad >= 0.0, index, out);
+  connect(crossings, count, slack(at(0)) >= 0.0, index, out);
 }
 
 }  // namespace
