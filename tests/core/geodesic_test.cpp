@@ -59,6 +59,14 @@ TEST_P(RandomGeodesic, JoinsItsEnds) {
   EXPECT_LT(posture_distance(path_end(path_), pair_.end), 1e-14);
 }
 
+// With the exact Hessian the last step is followed by an error of its square; stiffness of the grid times metric is below 1e3.
+// Rounding of the gradient: that stiffness times 1e-16 per node, summed over the nodes.
+TEST_P(RandomGeodesic, ConvergesQuadratically) {
+  if (!certificate_.hessian_positive) GTEST_SKIP() << "Gauss-Newton steps converge linearly";
+  EXPECT_LT(certificate_.newton_step_rad, 1e-6);
+  EXPECT_LT(certificate_.gradient, 1e3 * certificate_.newton_step_rad * certificate_.newton_step_rad + 1e-11);
+}
+
 TEST_P(RandomGeodesic, HasConstantKineticEnergy) {
   double least = 1e300, most = 0.0;
   for (int i = 0; i <= 200; ++i) {

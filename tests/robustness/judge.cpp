@@ -25,7 +25,7 @@ bool all_finite(const ReachPlan& plan) {
 }
 
 /// What is wrong with a plan that claims to be good; empty if nothing.
-std::string flaw(const ReachTask& task, const ReachPlan& plan, double end_energy) {
+std::string flaw(const ReachTask& task, const ReachPlan& plan, double own_energy) {
   const Posture& first = plan.path.nodes[0];
   const Posture& last = plan.path.nodes[static_cast<std::size_t>(plan.path.order)];
   if ((first.R_TU - task.start.R_TU).norm() + std::abs(first.phi - task.start.phi) > 1e-9) return "does not begin at the start";
@@ -34,9 +34,9 @@ std::string flaw(const ReachTask& task, const ReachPlan& plan, double end_energy
   if (hand_error > 1e-8) return "hand misses by " + std::to_string(hand_error) + " m";
   const double margin = limit_margin(task.arm.limits, last).margin_rad;
   if (margin < -1e-7) return "end is outside the limits by " + std::to_string(-margin) + " rad";
-  const double difference = plan.path.energy - end_energy;
-  if (!plan.certificate.long_way && std::abs(difference) > kMissTolerance * std::max(end_energy, kSmallEnergy)) {
-    return "energy differs from that of the geodesic to its own end by " + std::to_string(difference / end_energy);
+  const double difference = plan.path.energy - own_energy;
+  if (!(std::abs(difference) <= kMissTolerance * std::max(own_energy, kSmallEnergy))) {
+    return "energy differs from that of its own converged path by " + std::to_string(difference / own_energy);
   }
   return "";
 }
@@ -83,11 +83,12 @@ Judgement judge(const ReachTask& task, int count, ReachPlanner& planner, Geodesi
   }
   const Posture& last = plan.path.nodes[static_cast<std::size_t>(plan.path.order)];
   out.leaves_limits = plan.certificate.limits.any;
-  out.remark = flaw(task, plan, converged_energy(task.arm, task.start, last, solver));
+  out.remark = flaw(task, plan, converged_energy(task.arm, task.start, last, solver, &plan.path));
   if (!out.remark.empty()) {
     out.verdict = Verdict::FalseFeasible;
     return out;
   }
+  if (!std::isfinite(out.reference.energy)) return out;  // an answer where the reference has none
   out.excess = (plan.path.energy - out.reference.energy) / std::max(out.reference.energy, kSmallEnergy);
   if (out.excess > kMissTolerance) out.verdict = Verdict::Miss;
   return out;

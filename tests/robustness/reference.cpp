@@ -17,12 +17,13 @@ struct Candidate {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-double energy_at(const ArmModel& arm, const Posture& start, const Posture& end, double tail, GeodesicSolver& solver) {
+double energy_at(const ArmModel& arm, const Posture& start, const Posture& end, double tail, const GeodesicPath* near,
+                 GeodesicSolver& solver) {
   GeodesicOptions options;
   options.tail_tolerance = tail;
   GeodesicPath path;
   Certificate certificate;
-  const Status status = solver.solve(arm, start, end, options, nullptr, path, certificate);
+  const Status status = solver.solve(arm, start, end, options, near, path, certificate);
   return status == Status::Ok ? path.energy : kNever;
 }
 
@@ -54,9 +55,10 @@ void refine(const ArmModel& arm, const Posture& start, std::vector<Candidate>& c
 
 }  // namespace
 
-double converged_energy(const ArmModel& arm, const Posture& start, const Posture& end, GeodesicSolver& solver) {
+double converged_energy(const ArmModel& arm, const Posture& start, const Posture& end, GeodesicSolver& solver,
+                        const GeodesicPath* near) {
   for (const double tail : {1e-7, 1e-5, 1e-3}) {  // the looser ones only where the path has no tighter solution
-    const double energy = energy_at(arm, start, end, tail, solver);
+    const double energy = energy_at(arm, start, end, tail, near, solver);
     if (energy < kNever) return energy;
   }
   return kNever;
@@ -75,7 +77,7 @@ Reference sweep_swivel(const ArmModel& arm, const Posture& start, const Vec3& ta
       out.reachable = true;
       if (limit_margin(arm.limits, end).margin_rad < 0.0) continue;
       feasible[static_cast<std::size_t>(i)] = true;
-      const double energy = energy_at(arm, start, end, 1e-3, solver);
+      const double energy = energy_at(arm, start, end, 1e-3, nullptr, solver);
       if (energy < kNever) candidates.push_back({end, swivel, energy});
       else ++out.unsolved;
     }

@@ -17,7 +17,9 @@ struct Reference {
 /// Sweeps `count` swivel angles, all solutions of each, inside the limits; energies converged to about 1e-9 relative.
 Reference sweep_swivel(const ArmModel& arm, const Posture& start, const Vec3& target, int count, GeodesicSolver& solver);
 
-/// Energy of the geodesic between two postures, converged to about 1e-9 relative; infinity when there is none.
-double converged_energy(const ArmModel& arm, const Posture& start, const Posture& end, GeodesicSolver& solver);
+/// Energy of the geodesic between two postures, converged to about 1e-9 relative; infinity when there is none. There may be several
+/// geodesics between distant postures: with `near`, the one beside that path.
+double converged_energy(const ArmModel& arm, const Posture& start, const Posture& end, GeodesicSolver& solver,
+                        const GeodesicPath* near = nullptr);
 
 }  // namespace glenoid::test
