@@ -7,6 +7,7 @@ namespace glenoid {
 namespace {
 
 constexpr int kRing = 144;
+constexpr int kHalvings = 40;  // 2.5 deg to 4e-14 rad
 
 /// Swivel of a loop posture minus the wanted one, in (-pi, pi].
 struct SwivelError {
@@ -46,6 +47,25 @@ void add_root(const SwivelError& f, double a, double b, double fa, double fb, do
     }
   }
   if (std::abs(e) < 1e-9) add_solution(p, out);
+}
+
+bool changes_sign(double fa, double fb) { return (fa > 0.0) != (fb > 0.0) && std::abs(fa - fb) <= kPi; }
+
+/// Roots between two angles. Next to a straight elbow the swivel turns half round within an angle of the elbow's flexion: such
+/// an interval is halved until the turn is resolved.
+void add_roots(const SwivelError& f, double a, double b, double fa, double fb, double opening, int halvings,
+               IkSolutions& out) {
+  constexpr double kFastTurn = 0.5;  // rad; elsewhere the swivel follows psi, by 2.5 deg a sample
+  if (halvings > 0 && std::abs(std::remainder(fb - fa, 2.0 * kPi)) > kFastTurn) {
+    const double middle = 0.5 * (a + b);
+    Posture p;
+    double e = 0.0, there = opening;
+    if (!f(middle, there, e, p)) return;
+    add_roots(f, a, middle, fa, e, opening, halvings - 1, out);
+    add_roots(f, middle, b, e, fb, there, halvings - 1, out);
+  } else if (fa == 0.0 || changes_sign(fa, fb)) {
+    add_root(f, a, b, fa, fb, opening, out);
+  }
 }
 
 /// Two roots may hide between samples where the error dips towards zero without changing sign.
@@ -91,11 +111,9 @@ Status inverse_kinematics(const ArmModel& arm, const Vec3& wrist, double swivel_
       const int j = at(k + 1), i = at(k - 1);
       const double psi = 2.0 * kPi * k / kRing, step = 2.0 * kPi / kRing;
       if (!valid[k] || !valid[j]) continue;
-      const bool across_cut = std::abs(error[k] - error[j]) > kPi;
-      if (error[k] == 0.0 || ((error[k] > 0.0) != (error[j] > 0.0) && !across_cut)) {
-        add_root(f, psi, psi + step, error[k], error[j], openings[k], out);
-      } else if (valid[i] && std::abs(error[k]) <= std::abs(error[i]) && std::abs(error[k]) < std::abs(error[j]) &&
-                 std::abs(error[k]) < 0.5 && (error[i] > 0.0) == (error[k] > 0.0)) {
+      add_roots(f, psi, psi + step, error[k], error[j], openings[k], kHalvings, out);
+      if (!changes_sign(error[k], error[j]) && valid[i] && std::abs(error[k]) <= std::abs(error[i]) &&
+          std::abs(error[k]) < std::abs(error[j]) && std::abs(error[k]) < 0.5 && (error[i] > 0.0) == (error[k] > 0.0)) {
         add_hidden_pair(f, psi - step, psi + step, error[i], error[j], openings[k], out);
       }
     }

@@ -251,10 +251,13 @@ TEST(InverseKinematics, FindsEveryPostureAgainFromItsWristAndSwivel) {
   const ArmModel arm = default_arm();
   int excluded = 0, tried = 0;
   for (int k = 0; k < test_count(100000); ++k) {
-    const Posture posture = posture_from_angles(awkward_angles(random, k));
+    // Not promised: elbows straighter than 0.05 deg, next to which the swivel turns half round within less than that angle.
+    Vec4 q = awkward_angles(random, k);
+    q[kPhi] = std::max(q[kPhi], 0.05 * kDegree);
+    const Posture posture = posture_from_angles(q);
     const ArmPoints points = forward_kinematics(arm, posture);
     // Excluded: where the problem itself is ill-posed, so that rounding of 1e-14 would exceed the tolerance. These are double
-    // roots, arms straight to 0.01 deg, and wrists on the vertical through the shoulder, where the swivel is undefined.
+    // roots and wrists on the vertical through the shoulder, where the swivel is undefined.
     if (ik_condition(arm, posture) > 1e5) {
       ++excluded;
       continue;
@@ -263,9 +266,9 @@ TEST(InverseKinematics, FindsEveryPostureAgainFromItsWristAndSwivel) {
     IkSolutions solutions;
     ASSERT_EQ(inverse_kinematics(arm, points.wrist, swivel_angle(points), solutions), Status::Ok);
     ASSERT_TRUE(contains_posture(solutions, posture, 1e-9))
-        << "q = " << angles_from_posture(posture, Vec4::Zero()).transpose() << ", " << solutions.count << " found";
+        << "q = " << q.transpose() << ", " << solutions.count << " found";
   }
-  EXPECT_LT(excluded, tried / 10) << "the excluded set must stay small";
+  EXPECT_LT(excluded, tried / 100) << "the excluded set must stay small";
 }
 
 TEST(InverseKinematics, EverySolutionReachesTheTargetWithTheSwivel) {
