@@ -12,23 +12,6 @@ namespace {
 
 using V4 [[gnu::vector_size(32)]] = double;
 
-/// T = s * J^T MJ: one 4x4 block of the Gauss-Newton matrix.
-void gram_tile(const EmbeddedNode& row, const EmbeddedNode& col, double s, Tile& T) {
-  V4 t0{}, t1{}, t2{}, t3{};
-  for (int i = 0; i < kEmbedding; ++i) {
-    const V4 a = *reinterpret_cast<const V4*>(row.J[i]);
-    const double* b = col.MJ[i];
-    t0 += a * b[0];
-    t1 += a * b[1];
-    t2 += a * b[2];
-    t3 += a * b[3];
-  }
-  *reinterpret_cast<V4*>(T.c[0]) = t0 * s;
-  *reinterpret_cast<V4*>(T.c[1]) = t1 * s;
-  *reinterpret_cast<V4*>(T.c[2]) = t2 * s;
-  *reinterpret_cast<V4*>(T.c[3]) = t3 * s;
-}
-
 Vec4 transpose_times(const double (&J)[kEmbedding][4], const double* f) {
   V4 g{};
   for (int i = 0; i < kEmbedding; ++i) g += *reinterpret_cast<const V4*>(J[i]) * f[i];
@@ -78,18 +61,10 @@ void DiscreteGeodesic::evaluate(const ArmModel& arm, State& s) noexcept {
     for (int i = 0; i < kEmbedding; ++i) s.momentum[k][i] = s.node[k].MF[i] - s.node[0].MF[i];
     s.momentum[k][18] = s.momentum[k][19] = 0.0;
   }
+  apply_stiffness(grid_->stiffness.data(), s.momentum, order() + 1, s.force);
   energy_ = 0.0;
-  for (std::size_t k = 0; k < count; ++k) {
-    V4 f[5] = {};
-    for (std::size_t j = 0; j < count; ++j) {
-      const double w = grid_->stiffness[k * count + j];
-      const V4* m = reinterpret_cast<const V4*>(s.momentum[j]);
-      for (int i = 0; i < 5; ++i) f[i] += m[i] * w;
-    }
-    std::copy(f, f + 5, reinterpret_cast<V4*>(s.force[k]));
-    double dot = 0.0;
-    for (int i = 0; i < kEmbedding; ++i) dot += (s.node[k].F[i] - s.node[0].F[i]) * s.force[k][i];
-    energy_ += 0.5 * dot;
+  for (std::size_t k = 1; k < count; ++k) {
+    for (int i = 0; i < kEmbedding; ++i) energy_ += 0.5 * (s.node[k].F[i] - s.node[0].F[i]) * s.force[k][i];
   }
   s.end_gradient = transpose_times(s.node[count - 1].J, s.force[count - 1]);
   if (free_end_) prepare_free_end(arm, s);
@@ -135,18 +110,13 @@ void DiscreteGeodesic::assemble(bool with_curvature) noexcept {
   for (int j = 1; j < n; ++j) {
     const auto row = static_cast<std::size_t>(j);
     Tile* tile = hessian_.data() + tile_index(j - 1, 0);
-    for (int k = 1; k <= j; ++k) {
-      const auto col = static_cast<std::size_t>(k);
-      gram_tile(s.node[row], s.node[col], grid_->stiffness[row * count + col], tile[k - 1]);
-    }
+    gram_row(s.node[row], &s.node[1], &grid_->stiffness[row * count + 1], j, tile);
     if (with_curvature) {
       const Mat4 H = embedding_curvature(s.node[row], s.force[row], shoulder);
       for (int a = 0; a < 4; ++a) {
         for (int b = 0; b < 4; ++b) tile[j - 1].c[a][b] += H(b, a);
       }
     }
-    const Vec4 g = transpose_times(s.node[row].J, s.force[row]);
-    std::copy(g.data(), g.data() + 4, &gradient_[4 * (row - 1)]);
   }
   if (!free_end_) return;
 
@@ -161,13 +131,9 @@ void DiscreteGeodesic::assemble(bool with_curvature) noexcept {
       column[1] = column[2] = column[3] = 0.0;
     }
   };
-  for (int k = 1; k < n; ++k) {
-    const auto col = static_cast<std::size_t>(k);
-    gram_tile(s.node[last], s.node[col], grid_->stiffness[last * count + col], tile[k - 1]);
-    reduce(tile[k - 1]);
-  }
+  gram_row(s.node[last], &s.node[1], &grid_->stiffness[last * count + 1], n, tile);
+  for (int k = 0; k + 1 < n; ++k) reduce(tile[k]);
   Tile& corner = tile[n - 1];
-  gram_tile(s.node[last], s.node[last], grid_->stiffness[last * count + last], corner);
   double own = 0.0;
   for (int a = 0; a < 4; ++a) {
     for (int b = 0; b < 4; ++b) own += s.free_direction[a] * corner.c[a][b] * s.free_direction[b];
@@ -176,15 +142,22 @@ void DiscreteGeodesic::assemble(bool with_curvature) noexcept {
   corner = Tile{};
   corner.c[0][0] = own;
   for (int a = 1; a < 4; ++a) corner.c[a][a] = 1.0;
-  double* g = &gradient_[4 * (last - 1)];
-  g[0] = s.end_gradient.dot(s.free_direction);
-  g[1] = g[2] = g[3] = 0.0;
 }
 
 bool DiscreteGeodesic::factor() noexcept { return tiled_cholesky(hessian_.data(), tiles()); }
 
 double DiscreteGeodesic::solve_step() noexcept {
+  const State& s = *current_;
   const auto size = static_cast<std::size_t>(4 * tiles());
+  for (std::size_t k = 1; 4 * k <= size; ++k) {
+    const Vec4 g = transpose_times(s.node[k].J, s.force[k]);
+    std::copy(g.data(), g.data() + 4, &gradient_[4 * (k - 1)]);
+  }
+  if (free_end_) {
+    double* g = &gradient_[size - 4];
+    g[0] = s.end_gradient.dot(s.free_direction);
+    g[1] = g[2] = g[3] = 0.0;
+  }
   for (std::size_t i = 0; i < size; ++i) step_[i] = -gradient_[i];
   tiled_solve(hessian_.data(), tiles(), step_.data());
   double slope = 0.0;

@@ -17,6 +17,10 @@ constexpr double kLooseStep = 3e-2;       // rad; for grids that are refined any
 constexpr double kStepCap = 0.6;          // rad; largest nodal change of one step
 constexpr double kArmijo = 1e-4;
 constexpr double kQuadraticZone = 1e-4;   // rad; full steps below it are taken as they are
+constexpr double kChordZone = 3e-2;        // rad; after a full step below it the same factor serves for further ones
+constexpr double kChordContraction = 0.1;  // a further step must be this much smaller, else the Hessian is computed anew
+constexpr double kChordTolerance = 0.1;    // of the tolerance of a full step: a further step converges linearly only
+constexpr double kSaddleStep = 1e-6;       // rad; what a step must reach where the Hessian is not positive definite
 constexpr double kLeastDamping = 1e-3;
 constexpr int kRetryOrder = 24;           // first grid of a second attempt in the short class
 
@@ -90,14 +94,28 @@ struct Newton {
     return size;
   }
 
+  /// Steps with the factor at hand, as long as each is much smaller than the one before. @return size of the last one
+  double chord(double size, double tolerance) {
+    while (size >= tolerance) {
+      d.solve_step();
+      const double next = d.step_size();
+      if (!(next < kChordContraction * size)) return size;
+      d.move(arm, 1.0);
+      d.accept();
+      size = next;
+    }
+    return size;
+  }
+
   /// Iterates until a full step is below `tolerance`.
   bool run(double tolerance) {
     d.evaluate(arm);
     for (int i = 0; i < kMaxIterations; ++i) {
-      const double size = step();
+      double size = step();
       if (size < 0.0) return false;
+      if (certificate.hessian_positive && size < kChordZone) size = chord(size, kChordTolerance * tolerance);
       certificate.newton_step_rad = size;
-      if (size < tolerance && (certificate.hessian_positive || size < 1e-6)) return true;
+      if (size < tolerance && (certificate.hessian_positive || size < kSaddleStep)) return true;
     }
     return false;
   }

@@ -89,6 +89,7 @@ struct MotionGenerator::Impl {
   ReachPlanner planner;
   ReachPlan plan;
   MotionState state, next;
+  ExoPathCheck exo_check;
   std::array<char, 256> message{};
 
   Impl(const MotionSettings& s, double start_time);
@@ -102,7 +103,8 @@ struct MotionGenerator::Impl {
   [[nodiscard]] double shared_way(double time, const Posture& now) const;
   void build_guide(const Vec4& near_q);
   void check_limits_on_the_way();
-  Status check_exo(double time, const PostureJet& jet);
+  Status check_exo(double time);
+  void say_exo_refusal(const Vec3& target);
   void centre_of(const PostureJet& jet, PointJet& out) const { shoulder_centre_jet(arm.rhythm, jet, out); }
   [[nodiscard]] double guide_share(double virtual_time) const;
 };
@@ -224,7 +226,7 @@ void MotionGenerator::Impl::check_limits_on_the_way() {
   v.any = v.worst.margin_rad < -1e-6;
 }
 
-Status MotionGenerator::Impl::check_exo(double time, const PostureJet& jet) {
+Status MotionGenerator::Impl::check_exo(double time) {
   struct Context {
     const Impl* self;
   } const context{this};
@@ -238,17 +240,33 @@ Status MotionGenerator::Impl::check_exo(double time, const PostureJet& jet) {
     posture.ddx *= T * T, posture.ddz *= T * T, posture.ddphi *= T * T;
     self.centre_of(posture, centre);
   };
-  PointJet centre;
-  centre_of(jet, centre);
   const double virtual_time = state.stopping != 0 ? stopping_clock(time, state.stop_time_s, state.stop_duration_s).value : time;
-  const Vec3 near = guide_angles(state.exo_guide, guide_share(virtual_time));
-  ExoStart device;
-  Status status = choose_branch(exo, jet_posture(jet), centre.p, near, device);
-  if (status != Status::Ok) return status;
-  ExoPathCheck check;
-  status = check_motion(exo, source, device, false, check);
-  if (status == Status::Ok) next.exo_guide = check.guide;
+  const ExoStart device{state.exo_guide.branch, guide_angles(state.exo_guide, guide_share(virtual_time)), 0.0};
+  const Status status = check_motion(exo, source, device, false, exo_check);
+  if (status == Status::Ok) next.exo_guide = exo_check.guide;
   return status;
+}
+
+/// Why and where the device cannot follow, for the message.
+void MotionGenerator::Impl::say_exo_refusal(const Vec3& target) {
+  constexpr double kDegree = kPi / 180.0;
+  const ExoPathCheck& c = exo_check;
+  const Vec3 t = mirror_if(left(), target);
+  const auto say = [this, &t](const char* what, double value, double at) {
+    std::snprintf(message.data(), message.size(),
+                  "target = (%.4f, %.4f, %.4f) m: the exoskeleton cannot follow, %s %.2f deg at %.0f %% of the movement", t.x(),
+                  t.y(), t.z(), what, value / kDegree, 100.0 * at);
+  };
+  switch (c.refusal) {
+    case ExoRefusal::Singular: return say("its distance from the singular set is only", c.singularity_rad, c.singularity_at);
+    case ExoRefusal::JointLimit: {
+      std::array<char, 64> what{};
+      std::snprintf(what.data(), what.size(), "%s is beyond its %s limit by", exo_joint_name(c.limit_joint),
+                    c.limit_at_upper ? "upper" : "lower");
+      return say(what.data(), -c.limit_margin_rad, c.limit_at);
+    }
+    default: return say("out of reach of its axes by", -c.margin_rad, c.margin_at);
+  }
 }
 
 void MotionGenerator::Impl::accept(double time, const Vec3& target) {
@@ -281,9 +299,9 @@ void MotionGenerator::Impl::accept(double time, const Vec3& target) {
   start_movement(time, jet);
   build_guide(state.guide_q[guide]);
   check_limits_on_the_way();
-  const Status device = check_exo(time, jet);
+  const Status device = check_exo(time);
   if (device != Status::Ok) {
-    say("the exoskeleton cannot follow the path, status", static_cast<double>(device), "");
+    say_exo_refusal(target);
     return refuse(time, target, MotionStatus::ExoInfeasible);
   }
   next.target = target;

@@ -14,7 +14,7 @@ constexpr double kRival = 0.02;                      // relative energy within w
 constexpr double kWideTurn = 2.0;                    // rad; beyond it two geodesics may compete, both starts are tried
 constexpr double kTangentStep = 1e-5;                // rad of psi
 constexpr double kMarginTolerance = 1e-9;            // rad; rounding of an end posture that sits on a limit
-constexpr GeodesicOptions kCoarse{std::numeric_limits<double>::infinity(), 6, 6, 3e-3};
+constexpr GeodesicOptions kCoarse{std::numeric_limits<double>::infinity(), 6, 6, 2e-2};
 constexpr GeodesicOptions kFine{};
 
 

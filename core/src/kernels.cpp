@@ -1,0 +1,150 @@
+#include "kernels.hpp"
+
+#include <cmath>
+
+namespace glenoid {
+namespace {
+
+using V4 [[gnu::vector_size(32)]] = double;
+
+[[gnu::always_inline]] inline const V4& lanes(const double* p) { return *reinterpret_cast<const V4*>(p); }
+[[gnu::always_inline]] inline V4& lanes(double* p) { return *reinterpret_cast<V4*>(p); }
+
+/// T -= A B^T summed over `count` consecutive tiles of two rows.
+[[gnu::always_inline]] inline void subtract_products(Tile& T, const Tile* A, const Tile* B, int count) {
+  V4 t0 = lanes(T.c[0]), t1 = lanes(T.c[1]), t2 = lanes(T.c[2]), t3 = lanes(T.c[3]);
+  for (int k = 0; k < count; ++k) {
+    for (int p = 0; p < 4; ++p) {
+      const V4 a = lanes(A[k].c[p]);
+      const double* b = B[k].c[p];
+      t0 -= a * b[0];
+      t1 -= a * b[1];
+      t2 -= a * b[2];
+      t3 -= a * b[3];
+    }
+  }
+  lanes(T.c[0]) = t0;
+  lanes(T.c[1]) = t1;
+  lanes(T.c[2]) = t2;
+  lanes(T.c[3]) = t3;
+}
+
+/// Factors a diagonal tile; the reciprocals of its diagonal go to `inverse`.
+[[gnu::always_inline]] inline bool factor_diagonal(Tile& T, double* inverse) {
+  constexpr double kLeastPivot = 1e-14;  // kg.m2, of a matrix whose entries are of the order of the inertias
+  for (int j = 0; j < 4; ++j) {
+    double d = T.c[j][j];
+    for (int k = 0; k < j; ++k) d -= T.c[k][j] * T.c[k][j];
+    if (!(d > kLeastPivot)) return false;
+    const double root = std::sqrt(d);
+    T.c[j][j] = root;
+    inverse[j] = 1.0 / root;
+    for (int i = j + 1; i < 4; ++i) {
+      double v = T.c[j][i];
+      for (int k = 0; k < j; ++k) v -= T.c[k][i] * T.c[k][j];
+      T.c[j][i] = v * inverse[j];
+    }
+  }
+  return true;
+}
+
+/// T <- T L^-T for the lower-triangular tile L.
+[[gnu::always_inline]] inline void solve_right(Tile& T, const Tile& L, const double* inverse) {
+  for (int j = 0; j < 4; ++j) {
+    V4 t = lanes(T.c[j]);
+    for (int k = 0; k < j; ++k) t -= lanes(T.c[k]) * L.c[k][j];
+    lanes(T.c[j]) = t * inverse[j];
+  }
+}
+
+}  // namespace
+
+GLENOID_CPU_CLONES
+void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* weights, int count, Tile* tiles) noexcept {
+  for (int k = 0; k < count; ++k) {
+    V4 t0{}, t1{}, t2{}, t3{};
+    for (int i = 0; i < kEmbedding; ++i) {
+      const V4 a = lanes(row.J[i]);
+      const double* b = nodes[k].MJ[i];
+      t0 += a * b[0];
+      t1 += a * b[1];
+      t2 += a * b[2];
+      t3 += a * b[3];
+    }
+    lanes(tiles[k].c[0]) = t0 * weights[k];
+    lanes(tiles[k].c[1]) = t1 * weights[k];
+    lanes(tiles[k].c[2]) = t2 * weights[k];
+    lanes(tiles[k].c[3]) = t3 * weights[k];
+  }
+}
+
+GLENOID_CPU_CLONES
+void apply_stiffness(const double* S, const double (*momentum)[kPadded], int count, double (*out)[kPadded]) noexcept {
+  for (int k = 0; k < count; ++k) {
+    V4 f0{}, f1{}, f2{}, f3{}, f4{};
+    for (int j = 0; j < count; ++j) {
+      const double w = S[k * count + j];
+      const double* m = momentum[j];
+      f0 += lanes(m) * w;
+      f1 += lanes(m + 4) * w;
+      f2 += lanes(m + 8) * w;
+      f3 += lanes(m + 12) * w;
+      f4 += lanes(m + 16) * w;
+    }
+    lanes(out[k]) = f0;
+    lanes(out[k] + 4) = f1;
+    lanes(out[k] + 8) = f2;
+    lanes(out[k] + 12) = f3;
+    lanes(out[k] + 16) = f4;
+  }
+}
+
+GLENOID_CPU_CLONES
+bool tiled_cholesky(Tile* A, int tiles) noexcept {
+  double inverse[4 * 64];
+  for (int i = 0; i < tiles; ++i) {
+    Tile* row = A + tile_index(i, 0);
+    for (int j = 0; j < i; ++j) {
+      const Tile* pivot = A + tile_index(j, 0);
+      subtract_products(row[j], row, pivot, j);
+      solve_right(row[j], pivot[j], inverse + 4 * j);
+    }
+    subtract_products(row[i], row, row, i);
+    if (!factor_diagonal(row[i], inverse + 4 * i)) return false;
+  }
+  return true;
+}
+
+GLENOID_CPU_CLONES
+void tiled_solve(const Tile* L, int tiles, double* b) noexcept {
+  for (int i = 0; i < tiles; ++i) {
+    const Tile* row = L + tile_index(i, 0);
+    double* x = b + 4 * i;
+    V4 sum = lanes(x);
+    for (int j = 0; j < i; ++j) {
+      for (int c = 0; c < 4; ++c) sum -= lanes(row[j].c[c]) * b[4 * j + c];
+    }
+    lanes(x) = sum;
+    for (int r = 0; r < 4; ++r) {
+      for (int c = 0; c < r; ++c) x[r] -= row[i].c[c][r] * x[c];
+      x[r] /= row[i].c[r][r];
+    }
+  }
+  for (int i = tiles - 1; i >= 0; --i) {
+    const Tile* row = L + tile_index(i, 0);
+    double* x = b + 4 * i;
+    for (int r = 3; r >= 0; --r) {
+      for (int c = r + 1; c < 4; ++c) x[r] -= row[i].c[r][c] * x[c];
+      x[r] /= row[i].c[r][r];
+    }
+    const V4 solved = lanes(x);
+    for (int j = 0; j < i; ++j) {
+      for (int c = 0; c < 4; ++c) {
+        const V4 p = lanes(row[j].c[c]) * solved;
+        b[4 * j + c] -= (p[0] + p[1]) + (p[2] + p[3]);
+      }
+    }
+  }
+}
+
+}  // namespace glenoid

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "embedding.hpp"
+
+/// Marks a function that is compiled twice, for AVX2 and for the baseline, and chosen when the library is loaded. Both give
+/// the same bits: the operations and their order are those of the source, and nothing is contracted (-ffp-contract=off).
+#if defined(__x86_64__) && defined(__linux__)
+#define GLENOID_CPU_CLONES [[gnu::target_clones("avx2", "default")]]
+#else
+#define GLENOID_CPU_CLONES
+#endif
+
+namespace glenoid {
+
+/// Symmetric matrix in 4x4 tiles, lower triangle only; tile (i, j), i >= j, at tile_index(i, j), column-major inside.
+inline constexpr int tile_index(int i, int j) { return i * (i + 1) / 2 + j; }
+
+struct alignas(32) Tile {
+  double c[4][4];  ///< c[column][row]
+};
+
+inline constexpr int kPadded = 20;  ///< kEmbedding, padded to whole lanes
+
+/// tiles[k] = weights[k] * row.J^T * nodes[k].MJ for k < count: one row of the Gauss-Newton matrix.
+void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* weights, int count, Tile* tiles) noexcept;
+
+/// out[k] = sum_j S[k, j] momentum[j] for k, j < count.
+void apply_stiffness(const double* S, const double (*momentum)[kPadded], int count, double (*out)[kPadded]) noexcept;
+
+/// Factors A = L L^T in place. @return false if A is not positive definite (the content is then undefined).
+bool tiled_cholesky(Tile* A, int tiles) noexcept;
+
+/// Solves L L^T x = b in place for b of 4 * tiles numbers, 32-byte aligned.
+void tiled_solve(const Tile* L, int tiles, double* b) noexcept;
+
+}  // namespace glenoid
