@@ -8,7 +8,9 @@ help:
 	@echo "make check   formatting, lint and types, without repairing"
 	@echo "make format  apply the formatting"
 
-demo: build
+demo:
+	@bash cmake/setup.sh
+	@bash cmake/build.sh release glenoid_fmu_archives glenoid_python_stub
 	@build/venv/bin/glenoid demo
 
 test:
