@@ -7,7 +7,7 @@ mapfile -t cpp < <(find core fmu host tests -name '*.hpp' -o -name '*.cpp')
 mapfile -t python < <(find cmake fmu host tests -name '*.py')
 
 if [ "${1:-}" = --apply ]; then
-  "$tools/clang-format" -i "${cpp[@]}" && "$tools/ruff" format -q "${python[@]}"
+  "$tools/clang-format" -i "${cpp[@]}" && "$tools/ruff" format -q "${python[@]}" && "$tools/ruff" check -q --fix "${python[@]}"
   exit
 fi
 

@@ -56,6 +56,10 @@ CORE_CALLS = re.compile(
 )
 
 
+# Headers that may define a macro, with the reason.
+MACROS = {"core/src/kernels.hpp": "an attribute that only some compilers have cannot be named otherwise"}
+
+
 def includes(path):
     return [(quote, target) for quote, target in INCLUDE.findall(path.read_text(encoding="utf-8"))]
 
@@ -101,4 +105,4 @@ def test_headers_have_no_macros_and_are_guarded():
     for path in files_of("core", ".hpp") + files_of("host", ".hpp"):
         text = path.read_text(encoding="utf-8")
         assert text.startswith("#pragma once"), name_of(path)
-        assert "#define" not in text, name_of(path)
+        assert "#define" not in text or name_of(path) in MACROS, name_of(path)

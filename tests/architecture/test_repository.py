@@ -10,6 +10,11 @@ AIM_LINES, MOST_LINES = 200, 400
 LONG_FILES: dict[str, str] = {
     "modelDescription.xml": "the one table of variables",
     "cmake/requirements.txt": "a lock file",
+    "core/src/motion.cpp": "the facade: accepting, sampling and stopping share one state",
+    "tests/core/motion_test.cpp": "laws of the facade, one a test",
+    "tests/core/exo_motion_test.cpp": "laws of the device along whole motions, one a test",
+    "tests/core/exoskeleton_test.cpp": "laws of the transformation and of the girdle, one a test",
+    "tests/core/geodesic_test.cpp": "laws of the solver, one a test",
 }
 SOURCES = (".cpp", ".hpp", ".h", ".py", ".sh", ".cmake", ".txt", ".xml")
 ROOT_ENTRIES = {
