@@ -25,8 +25,9 @@ install_packages() {
   fi
   echo "setup: installing ${missing[*]}"
   "${as_root[@]}" apt-get update -qq >/dev/null
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" \
-    >/dev/null
+  local log
+  log=$("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
+    "${missing[@]}" 2>&1) || { echo "$log" >&2; exit 1; }
 }
 
 install_venv() {
