@@ -4,6 +4,8 @@
 
 #include <Eigen/Geometry>
 
+#include "kernels.hpp"
+
 namespace glenoid {
 namespace {
 
@@ -19,26 +21,6 @@ void set_columns(const EmbeddedNode& node, bool shoulder, double (&F)[kEmbedding
   }
 }
 
-/// y = (mass (x) I3) x for `width` right-hand sides stored side by side; only the entries that can be non-zero.
-template <int Width>
-void apply_mass(const Eigen::Matrix<double, 6, 6>& M, const double* x, double* y) {
-  constexpr int kPairs[7][2] = {{1, 1}, {2, 2}, {4, 4}, {3, 3}, {5, 5}, {3, 5}, {5, 3}};
-  constexpr int n = 3 * Width;
-  const auto add = [&](int row, int col) {
-    const double m = M(row, col);
-    for (int i = 0; i < n; ++i) y[row * n + i] += m * x[col * n + i];
-  };
-  for (int i = 0; i < 6 * n; ++i) y[i] = 0.0;
-  for (const auto& pair : kPairs) add(pair[0], pair[1]);
-  if (M(0, 0) > 0.0) {
-    add(0, 0);
-    add(0, 3);
-    add(0, 5);
-    add(3, 0);
-    add(5, 0);
-  }
-}
-
 void embed_frames(const Posture& posture, EmbeddedNode& node) {
   node.R = posture.R_TU;
   const double s = std::sin(posture.phi), c = std::cos(posture.phi);
@@ -48,13 +30,6 @@ void embed_frames(const Posture& posture, EmbeddedNode& node) {
 }
 
 }  // namespace
-
-void embed_value(const ArmModel& arm, const Posture& posture, EmbeddedNode& node) noexcept {
-  embed_frames(posture, node);
-  if (arm.moving_shoulder) node.shoulder.p_TS = arm.rhythm.position(node.R.col(2));
-  set_columns(node, arm.moving_shoulder, node.F);
-  apply_mass<1>(arm.mass, node.F, node.MF);
-}
 
 void embed(const ArmModel& arm, const Posture& posture, bool with_shoulder, EmbeddedNode& node) noexcept {
   embed_frames(posture, node);
@@ -84,8 +59,7 @@ void embed(const ArmModel& arm, const Posture& posture, bool with_shoulder, Embe
     set_row3(node.J, 0, 1, node.shoulder.J_z * x);
   }
   set_columns(node, shoulder, node.F);
-  apply_mass<1>(arm.mass, node.F, node.MF);
-  apply_mass<4>(arm.mass, &node.J[0][0], &node.MJ[0][0]);
+  apply_mass(arm.mass.data(), node);
 }
 
 Mat4 embedding_curvature(const EmbeddedNode& node, const double force[kEmbedding], bool with_shoulder) noexcept {

@@ -24,9 +24,6 @@ struct alignas(32) EmbeddedNode {
 /// Fills a node. The rhythm is evaluated only when `with_shoulder` is set (or the metric needs it).
 void embed(const ArmModel& arm, const Posture& posture, bool with_shoulder, EmbeddedNode& node) noexcept;
 
-/// Only F and MF, for energies in a line search.
-void embed_value(const ArmModel& arm, const Posture& posture, EmbeddedNode& node) noexcept;
-
 /// Second variation of force . F along R exp[t delta], phi + t dphi: the symmetric 4x4 matrix of docs/equations.md, E5.
 Mat4 embedding_curvature(const EmbeddedNode& node, const double force[kEmbedding], bool with_shoulder) noexcept;
 

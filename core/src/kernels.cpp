@@ -60,6 +60,29 @@ using V4 [[gnu::vector_size(32)]] = double;
 }  // namespace
 
 GLENOID_CPU_CLONES
+void apply_mass(const double* mass, EmbeddedNode& node) noexcept {
+  const auto m = [mass](int row, int col) { return mass[6 * col + row]; };
+  const double m00 = m(0, 0), m03 = m(0, 3), m05 = m(0, 5), m33 = m(3, 3), m35 = m(3, 5), m55 = m(5, 5);
+  const double m11 = m(1, 1), m22 = m(2, 2), m44 = m(4, 4);
+  for (int r = 0; r < 3; ++r) {
+    const V4 J0 = lanes(node.J[r]), J3 = lanes(node.J[9 + r]), J5 = lanes(node.J[15 + r]);
+    lanes(node.MJ[r]) = J0 * m00 + J3 * m03 + J5 * m05;
+    lanes(node.MJ[3 + r]) = lanes(node.J[3 + r]) * m11;
+    lanes(node.MJ[6 + r]) = lanes(node.J[6 + r]) * m22;
+    lanes(node.MJ[9 + r]) = J0 * m03 + J3 * m33 + J5 * m35;
+    lanes(node.MJ[12 + r]) = lanes(node.J[12 + r]) * m44;
+    lanes(node.MJ[15 + r]) = J0 * m05 + J3 * m35 + J5 * m55;
+    const double F0 = node.F[r], F3 = node.F[9 + r], F5 = node.F[15 + r];
+    node.MF[r] = F0 * m00 + F3 * m03 + F5 * m05;
+    node.MF[3 + r] = node.F[3 + r] * m11;
+    node.MF[6 + r] = node.F[6 + r] * m22;
+    node.MF[9 + r] = F0 * m03 + F3 * m33 + F5 * m35;
+    node.MF[12 + r] = node.F[12 + r] * m44;
+    node.MF[15 + r] = F0 * m05 + F3 * m35 + F5 * m55;
+  }
+}
+
+GLENOID_CPU_CLONES
 void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* weights, int count, Tile* tiles) noexcept {
   for (int k = 0; k < count; ++k) {
     V4 t0{}, t1{}, t2{}, t3{};

@@ -21,6 +21,9 @@ struct alignas(32) Tile {
 
 inline constexpr int kPadded = 20;  ///< kEmbedding, padded to whole lanes
 
+/// MF and MJ of a node from F and J, with the 6x6 mass matrix of ArmModel: only its entries that can be non-zero.
+void apply_mass(const double* mass, EmbeddedNode& node) noexcept;
+
 /// tiles[k] = weights[k] * row.J^T * nodes[k].MJ for k < count: one row of the Gauss-Newton matrix.
 void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* weights, int count, Tile* tiles) noexcept;
 

@@ -97,6 +97,21 @@ Scalar2 smoothed_angle(double w, double eps) {
   return {r * e, 0.5 * e / r + g, 0.5 * g / w - 0.25 * e / (w * r) - g / (eps * eps)};
 }
 
+struct SineCosine {
+  double sine, cosine;
+};
+
+/// Taylor series, exact to the last bits for |x| <= 1.3 rad: the girdle's angles stay below 1.1 rad for every elevation.
+SineCosine small_angle(double x) {
+  const double s = x * x;
+  double sine = 1.0, cosine = 1.0;
+  for (int k = 11; k >= 1; --k) {
+    sine = 1.0 - s * sine * (1.0 / (2.0 * k * (2.0 * k + 1.0)));
+    cosine = 1.0 - s * cosine * (1.0 / (2.0 * k * (2.0 * k - 1.0)));
+  }
+  return {x * sine, cosine};
+}
+
 struct CentreJet {
   Vec3 x, d1, d2;
 };
@@ -110,7 +125,8 @@ CentreJet polynomial_centre(double t) {
   const double a = ed.value * kDegree, a1 = ed.d1, a2 = ed.d2 / kDegree;
   const double b = pr.value * kDegree, b1 = pr.d1 * kDegree, b2 = pr.d2 * kDegree;
   const double d = len.value, d1 = len.d1 / kDegree, d2 = len.d2 / (kDegree * kDegree);
-  const double ca = std::cos(a), sa = std::sin(a), cb = std::cos(b), sb = std::sin(b);
+  const auto [sa, ca] = small_angle(a);
+  const auto [sb, cb] = small_angle(b);
   const Vec3 e(ca * cb, ca * sb, sa), e_a(-sa * cb, -sa * sb, ca), e_b(-ca * sb, ca * cb, 0.0);
   const Vec3 e_ab(sa * sb, -sa * cb, 0.0), e_bb(-ca * cb, -ca * sb, 0.0);
   const Vec3 e1 = a1 * e_a + b1 * e_b;

@@ -92,6 +92,11 @@ void connect(const std::array<Crossing, 2 * FeasibleSet::kMaxArcs>& crossings, i
   }
 }
 
+/// Opening angle that three samples before this one lead to; 0, no guess, if one is missing.
+double extrapolate(const RingSample* s) {
+  return s[-1].exists && s[-2].exists && s[-3].exists ? 3.0 * (s[-1].opening - s[-2].opening) + s[-3].opening : 0.0;
+}
+
 void scan_loop(const ArmModel& arm, const Vec3& wrist, int index, int ring, FeasibleSet& out) {
   const SelfMotionLoop& loop = out.motion.loops[static_cast<std::size_t>(index)];
   Explorer explorer{arm, wrist, loop, out};
@@ -99,7 +104,7 @@ void scan_loop(const ArmModel& arm, const Vec3& wrist, int index, int ring, Feas
   double opening = 0.0;
   for (int k = 0; k < ring; ++k) {
     RingSample& s = out.ring[static_cast<std::size_t>(k)];
-    s.opening = opening;
+    s.opening = k < 3 ? opening : extrapolate(&out.ring[static_cast<std::size_t>(k)]);
     sample_loop(arm, wrist, loop, k * spacing, s);
     opening = s.exists ? s.opening : 0.0;
     if (!s.exists) s.margin.margin_rad = -1e3;
