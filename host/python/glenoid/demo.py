@@ -45,6 +45,7 @@ def run_fmus(console: Console, reach: ReachInput) -> bool:
             f"  {path.name:18s} {len(done.time_s) - 1} steps, {done.status}, "
             f"largest difference from the core {difference:.1e} rad",
             highlight=False,
+            soft_wrap=True,
         )
     return agree
 
@@ -53,7 +54,7 @@ def run_demo(console: Console, picture: Path, example: Path = EXAMPLE) -> bool:
     """Runs the demonstration and says what happened; whether everything held."""
     given = load_reach(example)
     console.rule("1. A person's reach, answered by the core")
-    console.print(f"{given.source}\n", highlight=False)
+    console.print(f"{given.source}\n", highlight=False, soft_wrap=True)
     reach = plan_reach(given)
     verification = verify(reach) if reach.ok else None
     print_reach(console, reach, verification)
