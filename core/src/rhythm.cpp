@@ -10,11 +10,12 @@ namespace {
 
 constexpr double kDegree = kPi / 180.0;
 
-// Eq. (1) of Soltani-Zarrin et al. 2017 (docs/equations.md, R2), reconstructed from the published curve to 0.005 deg:
-// the printed coefficients were not available. Units are those of the paper, mixed on purpose.
-constexpr double kElevation[6] = {7.08145587e-01, -1.35741763e-01, 5.20306797e-03,     // theta deg -> phi_ed deg
-                                  1.44222210e-05, -4.28918045e-07, 1.49428033e-09};
-constexpr double kProtraction[4] = {0.0, -3.98185739, -8.07965567, 1.82130192};        // theta rad -> phi_pr deg
+// Eq. (1) of Soltani-Zarrin et al. 2017 (docs/equations.md, R2), reconstructed: the printed coefficients were not available.
+// They are the centre of all polynomials that reproduce the known values of the curve (0.005 deg), its slope and minimum near
+// rest and the energy of one geodesic over it (2e-6 relative). Units are those of the paper, mixed on purpose.
+constexpr double kElevation[6] = {7.0813092984e-01, -1.3574472688e-01, 5.2039390474e-03,     // theta deg -> phi_ed deg
+                                  1.4376139415e-05, -4.2826783435e-07, 1.4917429164e-09};
+constexpr double kProtraction[4] = {0.0, -3.9824419247, -8.0760402164, 1.8198932304};        // theta rad -> phi_pr deg
 constexpr double kLength[3] = {1.0, 3e-4, -1.6e-5};                                    // theta deg -> d_SG / d_0
 
 // Measured reaches (R5): displacement in m per unit of upper-arm direction u = -z_TU, for the d_0 below. The rest vector is
