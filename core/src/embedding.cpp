@@ -14,8 +14,12 @@ void set_row3(double (&J)[kEmbedding][4], int column, int variable, const Vec3& 
 }
 
 void set_columns(const EmbeddedNode& node, bool shoulder, double (&F)[kEmbedding]) {
-  const Vec3 columns[6] = {shoulder ? node.shoulder.p_TS : Vec3(Vec3::Zero()), node.R.col(0), node.R.col(1),
-                           node.R.col(2), node.R_F.col(1), node.R_F.col(2)};
+  const Vec3 columns[6] = {shoulder ? node.shoulder.p_TS : Vec3(Vec3::Zero()),
+                           node.R.col(0),
+                           node.R.col(1),
+                           node.R.col(2),
+                           node.R_F.col(1),
+                           node.R_F.col(2)};
   for (int c = 0; c < 6; ++c) {
     for (int r = 0; r < 3; ++r) F[3 * c + r] = columns[c][r];
   }

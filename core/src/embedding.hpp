@@ -15,7 +15,7 @@ struct alignas(32) EmbeddedNode {
   double J[kEmbedding][4];   ///< dF / d(delta, phi) with R <- R exp[delta]
   double MJ[kEmbedding][4];  ///< mass * J
   double F[kEmbedding];
-  double MF[kEmbedding];     ///< mass * F
+  double MF[kEmbedding];  ///< mass * F
   Mat3 R;
   Mat3 R_F;
   RhythmJet shoulder;

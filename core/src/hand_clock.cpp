@@ -12,9 +12,9 @@ namespace glenoid {
 namespace {
 
 constexpr std::size_t kCount = HandClock::kOrder + 1;
-constexpr double kLeastWay = 0.01;        // m
-constexpr double kLeastSpeed = 0.05;      // of the mean hand speed: below it the hand almost pauses
-constexpr double kFitTolerance = 1e-6;    // of lambda
+constexpr double kLeastWay = 0.01;      // m
+constexpr double kLeastSpeed = 0.05;    // of the mean hand speed: below it the hand almost pauses
+constexpr double kFitTolerance = 1e-6;  // of lambda
 
 using Coefficients = std::array<double, kCount>;
 
@@ -97,6 +97,8 @@ bool fit_hand_clock(const ArmModel& arm, const GeodesicPath& path, HandClock& ou
   return std::abs(out.legendre[kCount - 1]) + std::abs(out.legendre[kCount - 2]) < kFitTolerance;
 }
 
-ScalarJet hand_lambda(const HandClock& clock, double h) noexcept { return series(clock.legendre, std::clamp(h, 0.0, 1.0)); }
+ScalarJet hand_lambda(const HandClock& clock, double h) noexcept {
+  return series(clock.legendre, std::clamp(h, 0.0, 1.0));
+}
 
 }  // namespace glenoid

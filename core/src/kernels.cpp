@@ -83,7 +83,8 @@ void apply_mass(const double* mass, EmbeddedNode& node) noexcept {
 }
 
 GLENOID_CPU_CLONES
-void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* weights, int count, Tile* tiles) noexcept {
+void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* weights, int count,
+              Tile* tiles) noexcept {
   for (int k = 0; k < count; ++k) {
     V4 t0{}, t1{}, t2{}, t3{};
     for (int i = 0; i < kEmbedding; ++i) {

@@ -25,7 +25,8 @@ inline constexpr int kPadded = 20;  ///< kEmbedding, padded to whole lanes
 void apply_mass(const double* mass, EmbeddedNode& node) noexcept;
 
 /// tiles[k] = weights[k] * row.J^T * nodes[k].MJ for k < count: one row of the Gauss-Newton matrix.
-void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* weights, int count, Tile* tiles) noexcept;
+void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* weights, int count,
+              Tile* tiles) noexcept;
 
 /// out[k] = sum_j S[k, j] momentum[j] for k, j < count.
 void apply_stiffness(const double* S, const double (*momentum)[kPadded], int count, double (*out)[kPadded]) noexcept;

@@ -78,12 +78,8 @@ double swivel_angle(const ArmPoints& points) noexcept {
   return std::hypot(up, side) > 1e-12 * d ? std::atan2(side, up) : 0.0;
 }
 
-Vec4 isb_from_angles(const Vec4& q) noexcept {
-  return {q[kEta] + 0.5 * kPi, q[kTheta], q[kZeta] - 0.5 * kPi, q[kPhi]};
-}
+Vec4 isb_from_angles(const Vec4& q) noexcept { return {q[kEta] + 0.5 * kPi, q[kTheta], q[kZeta] - 0.5 * kPi, q[kPhi]}; }
 
-Vec4 angles_from_isb(const Vec4& isb) noexcept {
-  return {isb[1], isb[0] - 0.5 * kPi, isb[2] + 0.5 * kPi, isb[3]};
-}
+Vec4 angles_from_isb(const Vec4& isb) noexcept { return {isb[1], isb[0] - 0.5 * kPi, isb[2] + 0.5 * kPi, isb[3]}; }
 
 }  // namespace glenoid

@@ -8,19 +8,15 @@
 
 #include "glenoid/mass_matrix.hpp"
 #include "motion_jet.hpp"
-#include "problems.hpp"
+#include "motion_settings.hpp"
 
 namespace glenoid {
 namespace {
 
-constexpr double kSameTarget = 1e-3;          // m
-constexpr double kStopShare = 0.3;            // of the movement's duration: its peak deceleration is then 1.6 of the natural one
-constexpr double kLeastDuration = 0.05, kMostDuration = 60.0;   // s
-constexpr double kLeastFade = 0.05;           // s
-constexpr double kRestRate = 1e-9;            // rad/s below which nothing has to fade out
-constexpr double kStartTolerance = 1e-9;      // rad
-
-Vec3 mirror_if(bool left, const Vec3& p) { return left ? Vec3(-p.x(), p.y(), p.z()) : p; }
+constexpr double kSameTarget = 1e-3;  // m
+constexpr double kStopShare = 0.3;   // of the movement's duration: its peak deceleration is then 1.6 of the natural one
+constexpr double kLeastFade = 0.05;  // s
+constexpr double kRestRate = 1e-9;   // rad/s below which nothing has to fade out
 
 /// Time that the movement under way still needs, by the clock of its larger part.
 double remaining_time(const MotionState& s, double time) {
@@ -29,62 +25,13 @@ double remaining_time(const MotionState& s, double time) {
   return s.fade_share > 0.5 && early > kLeastFade ? early : s.move_time_s + s.duration_s - time;
 }
 
-/// Settings that scale_subject, Rhythm, JointLimits and ExoModel do not check themselves.
-void validate(const MotionSettings& s, double start_time) {
-  Problems problems;
-  problems.require_range("motion.duration", s.duration_s, kLeastDuration, kMostDuration, "s");
-  problems.require_range("swivel.prescribed", s.swivel_prescribed_rad, -2.0 * kPi, 2.0 * kPi, "rad");
-  problems.require(std::isfinite(start_time), "start time", start_time, "s", "must be finite");
-  const int mode = static_cast<int>(s.swivel_mode);
-  problems.require(mode >= 1 && mode <= 3, "swivel.mode", mode, "", "must be 1 (MinimumEnergy), 2 (Prescribed) or 3 (HumanPrior)");
-  problems.require(mode != 3, "swivel.mode", mode, "", "HumanPrior is not available in this version");
-  const int law = static_cast<int>(s.timing);
-  problems.require(law >= 1 && law <= 2, "motion.timing", law, "", "must be 1 or 2");
-  if (s.shoulder_start_m) {
-    for (int i = 0; i < 3; ++i) {
-      problems.require_range("shoulder_start[" + std::to_string(i + 1) + "]", (*s.shoulder_start_m)[i], -2.0, 2.0, "m");
-    }
-  }
-  static constexpr std::array<const char*, 4> kNames = {"theta", "eta", "zeta", "phi"};
-  static constexpr std::array<double, 4> kLowest = {0.0, -2.0 * kPi, -4.0 * kPi, 0.0};
-  static constexpr std::array<double, 4> kHighest = {kPi, 2.0 * kPi, 4.0 * kPi, kPi};
-  for (int i = 0; i < 4; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    problems.require_range("start.q[" + std::to_string(i + 1) + "] (" + kNames[k] + ")", s.start_q[i], kLowest[k], kHighest[k],
-                           "rad");
-  }
-  problems.throw_if_any();
-}
-
-/// The start posture must respect the limits; the message names the angle that does not.
-void validate_start(const ArmModel& arm, const Vec4& q) {
-  static constexpr std::array<const char*, 4> kNames = {"theta", "eta", "eta+zeta", "phi"};
-  const LimitMargin m = limit_margin(arm.limits, posture_from_angles(q));
-  Problems problems;
-  if (m.margin_rad < -kStartTolerance) {
-    const double value = m.angle == kLimitTau ? q[kEta] + q[kZeta] : q[m.angle == kLimitPhi ? kPhi : m.angle];
-    const double limit = m.at_upper ? arm.limits.upper[m.angle] : arm.limits.lower[m.angle];
-    problems.require(false, std::string("start.q: ") + kNames[static_cast<std::size_t>(m.angle)], value, "rad",
-                     std::string("must not be ") + (m.at_upper ? "above" : "below") + " its limit " + std::to_string(limit) + " rad");
-  }
-  problems.throw_if_any();
-}
-
-ArmModel build_arm(const MotionSettings& s, const ScaledArm& scaled) {
-  Rhythm rhythm(s.rhythm, scaled.shoulder_distance_m);
-  if (s.shoulder_start_m) {
-    rhythm.anchor(posture_from_angles(s.start_q).R_TU.col(2), mirror_if(s.subject.left_arm, *s.shoulder_start_m));
-  }
-  return make_arm_model(scaled, rhythm, s.limits, s.moving_shoulder);
-}
-
 }  // namespace
 
 struct MotionGenerator::Impl {
   MotionSettings settings;
   ScaledArm scaled;
   ArmModel arm;
-  Vec3 start_centre;   ///< glenohumeral centre at the start posture, right-arm frame
+  Vec3 start_centre;  ///< glenohumeral centre at the start posture, right-arm frame
   ExoModel exo;
   ReachPlanner planner;
   ReachPlan plan;
@@ -110,8 +57,11 @@ struct MotionGenerator::Impl {
 };
 
 MotionGenerator::Impl::Impl(const MotionSettings& s, double start_time)
-    : settings((validate(s, start_time), s)), scaled(scale_subject(s.subject)), arm(build_arm(s, scaled)),
-      start_centre(arm.rhythm.position(posture_from_angles(s.start_q).R_TU.col(2))), exo(s.exo, start_centre) {
+    : settings((glenoid::validate(s, start_time), s)),
+      scaled(scale_subject(s.subject)),
+      arm(build_arm(s, scaled)),
+      start_centre(arm.rhythm.position(posture_from_angles(s.start_q).R_TU.col(2))),
+      exo(s.exo, start_centre) {
   validate_start(arm, s.start_q);
   const Posture start = posture_from_angles(s.start_q);
   state.move_time_s = start_time;
@@ -196,7 +146,9 @@ void MotionGenerator::Impl::start_movement(double time, const PostureJet& jet) {
   const bool fades = !at_rest(state, time) && std::max(v.w_TU_U.cwiseAbs().maxCoeff(), std::abs(v.phi)) > kRestRate;
   next.fade_duration_s = fades ? std::clamp(remaining_time(state, time), kLeastFade, next.duration_s) : 0.0;
   next.fade_share = fades ? shared_way(time, jet_posture(jet)) : 0.0;
-  next.hand_timing = settings.timing == TimingLaw::MinimumJerkHand && fit_hand_clock(arm, next.path, next.hand_clock) ? 1 : 0;
+  next.hand_timing = settings.timing == TimingLaw::MinimumJerkHand && fit_hand_clock(arm, next.path, next.hand_clock)
+                         ? 1
+                         : 0;
 }
 
 /// Unwrapped angles along the movement, so that q is a continuous and pure function of time.
@@ -240,7 +192,8 @@ Status MotionGenerator::Impl::check_exo(double time) {
     posture.ddx *= T * T, posture.ddz *= T * T, posture.ddphi *= T * T;
     self.centre_of(posture, centre);
   };
-  const double virtual_time = state.stopping != 0 ? stopping_clock(time, state.stop_time_s, state.stop_duration_s).value : time;
+  const double virtual_time = state.stopping != 0 ? stopping_clock(time, state.stop_time_s, state.stop_duration_s).value
+                                                  : time;
   const ExoStart device{state.exo_guide.branch, guide_angles(state.exo_guide, guide_share(virtual_time)), 0.0};
   const Status status = check_motion(exo, source, device, false, exo_check);
   if (status == Status::Ok) next.exo_guide = exo_check.guide;
@@ -253,19 +206,22 @@ void MotionGenerator::Impl::say_exo_refusal(const Vec3& target) {
   const ExoPathCheck& c = exo_check;
   const Vec3 t = mirror_if(left(), target);
   const auto say = [this, &t](const char* what, double value, double at) {
-    std::snprintf(message.data(), message.size(),
-                  "target = (%.4f, %.4f, %.4f) m: the exoskeleton cannot follow, %s %.2f deg at %.0f %% of the movement", t.x(),
-                  t.y(), t.z(), what, value / kDegree, 100.0 * at);
+    std::snprintf(
+        message.data(), message.size(),
+        "target = (%.4f, %.4f, %.4f) m: the exoskeleton cannot follow, %s %.2f deg at %.0f %% of the movement", t.x(),
+        t.y(), t.z(), what, value / kDegree, 100.0 * at);
   };
   switch (c.refusal) {
-    case ExoRefusal::Singular: return say("its distance from the singular set is only", c.singularity_rad, c.singularity_at);
+    case ExoRefusal::Singular:
+      return say("its distance from the singular set is only", c.singularity_rad, c.singularity_at);
     case ExoRefusal::JointLimit: {
       std::array<char, 64> what{};
       std::snprintf(what.data(), what.size(), "%s is beyond its %s limit by", exo_joint_name(c.limit_joint),
                     c.limit_at_upper ? "upper" : "lower");
       return say(what.data(), -c.limit_margin_rad, c.limit_at);
     }
-    default: return say("out of reach of its axes by", -c.margin_rad, c.margin_at);
+    default:
+      return say("out of reach of its axes by", -c.margin_rad, c.margin_at);
   }
 }
 
@@ -278,8 +234,8 @@ void MotionGenerator::Impl::accept(double time, const Vec3& target) {
   message[0] = '\0';
   const auto say = [this, &target](const char* text, double value, const char* unit) {
     const Vec3 t = mirror_if(left(), target);
-    std::snprintf(message.data(), message.size(), "target = (%.4f, %.4f, %.4f) m: %s %.4f %s", t.x(), t.y(), t.z(), text, value,
-                  unit);
+    std::snprintf(message.data(), message.size(), "target = (%.4f, %.4f, %.4f) m: %s %.4f %s", t.x(), t.y(), t.z(),
+                  text, value, unit);
   };
   constexpr double kDegree = kPi / 180.0;
   if (planned == Status::TargetUnreachable) {
@@ -294,7 +250,8 @@ void MotionGenerator::Impl::accept(double time, const Vec3& target) {
     say("the boundary-value solver did not converge, status", static_cast<double>(planned), "");
     return refuse(time, target, MotionStatus::SolverFailed);
   }
-  const double virtual_time = state.stopping != 0 ? stopping_clock(time, state.stop_time_s, state.stop_duration_s).value : time;
+  const double virtual_time = state.stopping != 0 ? stopping_clock(time, state.stop_time_s, state.stop_duration_s).value
+                                                  : time;
   const auto guide = static_cast<std::size_t>(std::lround(guide_share(virtual_time) * MotionState::kGuide));
   start_movement(time, jet);
   build_guide(state.guide_q[guide]);
@@ -310,14 +267,22 @@ void MotionGenerator::Impl::accept(double time, const Vec3& target) {
 
 const char* to_string(MotionStatus status) noexcept {
   switch (status) {
-    case MotionStatus::Idle: return "Idle";
-    case MotionStatus::Moving: return "Moving";
-    case MotionStatus::Arrived: return "Arrived";
-    case MotionStatus::Stopped: return "Stopped";
-    case MotionStatus::TargetUnreachable: return "TargetUnreachable";
-    case MotionStatus::LimitsInfeasible: return "LimitsInfeasible";
-    case MotionStatus::ExoInfeasible: return "ExoInfeasible";
-    case MotionStatus::SolverFailed: return "SolverFailed";
+    case MotionStatus::Idle:
+      return "Idle";
+    case MotionStatus::Moving:
+      return "Moving";
+    case MotionStatus::Arrived:
+      return "Arrived";
+    case MotionStatus::Stopped:
+      return "Stopped";
+    case MotionStatus::TargetUnreachable:
+      return "TargetUnreachable";
+    case MotionStatus::LimitsInfeasible:
+      return "LimitsInfeasible";
+    case MotionStatus::ExoInfeasible:
+      return "ExoInfeasible";
+    case MotionStatus::SolverFailed:
+      return "SolverFailed";
   }
   return "Unknown";
 }
@@ -406,23 +371,7 @@ const char* MotionGenerator::message() const noexcept { return impl_->message.da
 const MotionState& MotionGenerator::state() const noexcept { return impl_->state; }
 
 Status MotionGenerator::restore(const MotionState& s) noexcept {
-  const auto within = [](double v, double lower, double upper) { return v >= lower && v <= upper; };
-  bool ok = within(s.duration_s, kLeastDuration, kMostDuration) && within(s.next_duration_s, kLeastDuration, kMostDuration) &&
-            s.path.order >= 0 && s.path.order <= kMaxPathOrder && s.rest_status >= 1 && s.rest_status <= 8 &&
-            std::abs(static_cast<int>(s.exo_guide.branch)) == 1 && s.target.allFinite() && s.refused_target.allFinite() &&
-            s.fade_w.allFinite() && s.fade_dw.allFinite();
-  const Certificate& c = s.certificate;
-  for (const double v : {s.move_time_s, s.stop_time_s, s.stop_duration_s, s.fade_duration_s, s.fade_share, s.fade_dphi, s.fade_ddphi,
-                         s.path.energy, c.newton_step_rad, c.gradient, c.spectral_tail, c.speed_variation, c.hand_error_m,
-                         c.transversality, c.rotation_angle_rad, c.limits.lambda, c.limits.worst.margin_rad}) {
-    ok = ok && std::isfinite(v);
-  }
-  for (const Posture& p : s.path.nodes) ok = ok && p.R_TU.allFinite() && std::isfinite(p.phi);
-  for (const auto& row : s.path.legendre) ok = ok && std::all_of(row.begin(), row.end(), [](double v) { return std::isfinite(v); });
-  for (const Vec4& q : s.guide_q) ok = ok && q.allFinite();
-  for (const double v : s.hand_clock.legendre) ok = ok && std::isfinite(v);
-  for (const auto& q : s.exo_guide.shoulder_q) ok = ok && std::all_of(q.begin(), q.end(), [](double v) { return std::isfinite(v); });
-  if (!ok) return Status::OutOfRange;
+  if (!is_valid(s)) return Status::OutOfRange;
   impl_->state = s;
   return Status::Ok;
 }

@@ -29,7 +29,9 @@ Rodrigues rodrigues(double s) {
   return f;
 }
 
-ScalarJet chain(const ScalarJet& f, const ScalarJet& s) { return {f.value, f.d1 * s.d1, f.d2 * s.d1 * s.d1 + f.d1 * s.d2}; }
+ScalarJet chain(const ScalarJet& f, const ScalarJet& s) {
+  return {f.value, f.d1 * s.d1, f.d2 * s.d1 * s.d1 + f.d1 * s.d2};
+}
 
 /// v(t) rotated by exp[d(t)]: e_k -> exp[d] e_k with derivatives, as the k-th column.
 struct ColumnJet {
@@ -130,7 +132,8 @@ void body_rates(const PostureJet& j, PostureRates& rates, PostureRates& accelera
   const Vec3 y = j.z.cross(j.x);
   const Vec3 w(-y.dot(j.dz), j.x.dot(j.dz), y.dot(j.dx));
   rates = {w, j.dphi};
-  accelerations.w_TU_U = Vec3(w.y() * w.z() - y.dot(j.ddz), j.x.dot(j.ddz) - w.z() * w.x(), y.dot(j.ddx) - w.x() * w.y());
+  accelerations.w_TU_U = Vec3(w.y() * w.z() - y.dot(j.ddz), j.x.dot(j.ddz) - w.z() * w.x(),
+                              y.dot(j.ddx) - w.x() * w.y());
   accelerations.phi = j.ddphi;
 }
 

@@ -17,7 +17,8 @@ struct Recurrence {
 };
 constexpr auto kRecurrence = [] {
   std::array<Recurrence, kMaxPathOrder + 1> table{};
-  for (int n = 0; n <= kMaxPathOrder; ++n) table[static_cast<std::size_t>(n)] = {(2.0 * n + 1.0) / (n + 1.0), n / (n + 1.0)};
+  for (int n = 0; n <= kMaxPathOrder; ++n)
+    table[static_cast<std::size_t>(n)] = {(2.0 * n + 1.0) / (n + 1.0), n / (n + 1.0)};
   return table;
 }();
 
@@ -38,7 +39,7 @@ void orthonormalise(PostureJet& j) {
     dv *= inverse;
     ddv *= inverse;
     const double a = v.dot(dv);
-    const double b = dv.squaredNorm() + v.dot(ddv) - a * a;   // second derivative of the norm, over the norm
+    const double b = dv.squaredNorm() + v.dot(ddv) - a * a;  // second derivative of the norm, over the norm
     ddv += (2.0 * a * a - b) * v - 2.0 * a * dv;
     dv -= a * v;
   };
@@ -112,7 +113,8 @@ void evaluate_path(const GeodesicPath& path, double lambda, PostureJet& out) noe
       d[i] += d1 * row[i];
       dd[i] += s1 * row[i];
     }
-    const double p2 = kRecurrence[static_cast<std::size_t>(n)].a * x * p1 - kRecurrence[static_cast<std::size_t>(n)].b * p0;
+    const double p2 = kRecurrence[static_cast<std::size_t>(n)].a * x * p1 -
+                      kRecurrence[static_cast<std::size_t>(n)].b * p0;
     const double d2 = d0 + (2.0 * n + 1.0) * p1;  // P'_(n+1) = P'_(n-1) + (2n+1) P_n
     const double s2 = s0 + (2.0 * n + 1.0) * d1;
     p0 = p1, d0 = d1, s0 = s1;

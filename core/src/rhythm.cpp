@@ -13,9 +13,9 @@ constexpr double kDegree = kPi / 180.0;
 // Eq. (1) of Soltani-Zarrin et al. 2017 (docs/equations.md, R2), reconstructed: the printed coefficients were not available.
 // They are the centre of all polynomials that reproduce the known values of the curve (0.005 deg), its slope and minimum near
 // rest and the energy of one geodesic over it (2e-6 relative). Units are those of the paper, mixed on purpose.
-constexpr double kElevation[6] = {7.0813092984e-01, -1.3574472688e-01, 5.2039390474e-03,     // theta deg -> phi_ed deg
+constexpr double kElevation[6] = {7.0813092984e-01, -1.3574472688e-01, 5.2039390474e-03,  // theta deg -> phi_ed deg
                                   1.4376139415e-05, -4.2826783435e-07, 1.4917429164e-09};
-constexpr double kProtraction[4] = {0.0, -3.9824419247, -8.0760402164, 1.8198932304};        // theta rad -> phi_pr deg
+constexpr double kProtraction[4] = {0.0, -3.9824419247, -8.0760402164, 1.8198932304};  // theta rad -> phi_pr deg
 constexpr double kLength[3] = {1.0, 3e-4, -1.6e-5};                                    // theta deg -> d_SG / d_0
 
 // Measured reaches (R5): displacement in m per unit of upper-arm direction u = -z_TU, for the d_0 below. The rest vector is
@@ -25,7 +25,8 @@ constexpr double kMeasuredRestElevation = -4.5 * kDegree;
 constexpr double kMeasuredRestProtraction = -25.0 * kDegree;
 const Mat3 kMeasuredSlope = (Mat3() << -0.0116, -0.0030, -0.0098,  //
                              -0.0607, 0.0074, 0.0025,              //
-                             -0.0019, -0.0041, 0.0297).finished();
+                             -0.0019, -0.0041, 0.0297)
+                                .finished();
 
 struct Scalar2 {
   double value, d1, d2;
@@ -120,8 +121,8 @@ struct CentreJet {
 /// Centre of eq. (1) per unit d_0 as a function of the (smoothed) elevation t in rad.
 CentreJet polynomial_centre(double t) {
   const double degrees = t / kDegree;
-  const Scalar2 ed = polynomial(kElevation, degrees);   // deg, deg/deg
-  const Scalar2 pr = polynomial(kProtraction, t);       // deg, deg/rad
+  const Scalar2 ed = polynomial(kElevation, degrees);  // deg, deg/deg
+  const Scalar2 pr = polynomial(kProtraction, t);      // deg, deg/rad
   const Scalar2 len = polynomial(kLength, degrees);
   const double a = ed.value * kDegree, a1 = ed.d1, a2 = ed.d2 / kDegree;
   const double b = pr.value * kDegree, b1 = pr.d1 * kDegree, b2 = pr.d2 * kDegree;
@@ -148,12 +149,13 @@ void require(bool ok, const char* name, double value, const char* unit, const ch
 Rhythm::Rhythm(const RhythmSettings& settings, double shoulder_distance_m)
     : settings_(settings), shoulder_distance_m_(shoulder_distance_m) {
   require(settings.gain >= 0.0 && settings.gain <= 1.5, "rhythm.gain", settings.gain, "1", "must be in 0..1.5");
-  require(settings.smoothing_rad >= 0.0 && settings.smoothing_rad <= 0.3, "rhythm.smoothing", settings.smoothing_rad, "rad",
-          "must be in 0..0.3");
-  require(std::isfinite(shoulder_distance_m) && shoulder_distance_m > 0.0, "shoulder distance", shoulder_distance_m, "m",
-          "must be finite and greater than 0");
+  require(settings.smoothing_rad >= 0.0 && settings.smoothing_rad <= 0.3, "rhythm.smoothing", settings.smoothing_rad,
+          "rad", "must be in 0..0.3");
+  require(std::isfinite(shoulder_distance_m) && shoulder_distance_m > 0.0, "shoulder distance", shoulder_distance_m,
+          "m", "must be finite and greater than 0");
   const int model = static_cast<int>(settings.model);
-  require(model >= 1 && model <= 3, "rhythm.model", model, "", "must be 1 (Fixed), 2 (SoltaniZarrin2017) or 3 (Measured)");
+  require(model >= 1 && model <= 3, "rhythm.model", model, "",
+          "must be 1 (Fixed), 2 (SoltaniZarrin2017) or 3 (Measured)");
   rest_ = settings.model == RhythmModel::Measured
               ? girdle_centre({kMeasuredRestElevation, kMeasuredRestProtraction, shoulder_distance_m})
               : Vec3(shoulder_distance_m * polynomial_centre(0.0).x);

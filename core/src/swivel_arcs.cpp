@@ -6,9 +6,9 @@
 namespace glenoid {
 namespace {
 
-constexpr double kEdgeTolerance = 1e-11;   // rad of psi
-constexpr double kLimitRounding = 5e-10;   // rad; a posture that sits on a limit is inside, whatever its last digits say
-constexpr double kNarrow = 0.35;           // rad of margin per ring step that an extremum between samples may hide, at 72
+constexpr double kEdgeTolerance = 1e-11;  // rad of psi
+constexpr double kLimitRounding = 5e-10;  // rad; a posture that sits on a limit is inside, whatever its last digits say
+constexpr double kNarrow = 0.35;  // rad of margin per ring step that an extremum between samples may hide, at 72
 
 /// Margin by which feasibility is decided.
 double slack(const RingSample& s) { return s.exists ? s.margin.margin_rad + kLimitRounding : -1e3; }
@@ -71,7 +71,7 @@ struct Explorer {
 
 struct Crossing {
   double psi;
-  bool enters;   ///< from infeasible to feasible with growing psi
+  bool enters;  ///< from infeasible to feasible with growing psi
 };
 
 /// Appends the arcs between consecutive crossings of one loop.
@@ -110,7 +110,9 @@ void scan_loop(const ArmModel& arm, const Vec3& wrist, int index, int ring, Feas
     if (!s.exists) s.margin.margin_rad = -1e3;
     if (s.margin.margin_rad > out.best.margin_rad) out.best = s.margin;
   }
-  const auto at = [&out, ring](int k) -> const RingSample& { return out.ring[static_cast<std::size_t>((k + ring) % ring)]; };
+  const auto at = [&out, ring](int k) -> const RingSample& {
+    return out.ring[static_cast<std::size_t>((k + ring) % ring)];
+  };
   std::array<Crossing, 2 * FeasibleSet::kMaxArcs> crossings;
   int count = 0;
   const auto add = [&crossings, &count](double psi, bool enters) {
@@ -139,13 +141,15 @@ void scan_loop(const ArmModel& arm, const Vec3& wrist, int index, int ring, Feas
     if (m1 >= 0.0 && m2 < 0.0) add(explorer.edge(psi, psi + spacing, m1, m2, s1.opening), false);
     if (m1 < 0.0 && m2 >= 0.0) add(explorer.edge(psi + spacing, psi, m2, m1, s2.opening), true);
   }
-  std::sort(crossings.begin(), crossings.begin() + count, [](const Crossing& a, const Crossing& b) { return a.psi < b.psi; });
+  std::sort(crossings.begin(), crossings.begin() + count,
+            [](const Crossing& a, const Crossing& b) { return a.psi < b.psi; });
   connect(crossings, count, slack(at(0)) >= 0.0, index, out);
 }
 
 }  // namespace
 
-void sample_loop(const ArmModel& arm, const Vec3& wrist, const SelfMotionLoop& loop, double psi, RingSample& s) noexcept {
+void sample_loop(const ArmModel& arm, const Vec3& wrist, const SelfMotionLoop& loop, double psi,
+                 RingSample& s) noexcept {
   s.psi = psi;
   s.exists = loop_posture(arm, wrist, loop, psi, s.opening, s.posture);
   if (s.exists) s.margin = limit_margin(arm.limits, s.posture);

@@ -20,7 +20,7 @@ struct RingSample {
 struct FeasibleArc {
   int loop = 0;
   double begin = 0.0, end = 0.0;
-  bool whole = false;   ///< the whole loop; then begin and end are the same posture
+  bool whole = false;  ///< the whole loop; then begin and end are the same posture
 };
 
 /// All postures of a wrist target that respect the limits (docs/equations.md, S1).
@@ -31,12 +31,13 @@ struct FeasibleSet {
   SelfMotion motion;
   int count = 0;
   std::array<FeasibleArc, kMaxArcs> arcs;
-  LimitMargin best;     ///< largest margin seen over all postures of the target
-  std::array<RingSample, kFineRing> ring;   ///< scratch
+  LimitMargin best;                        ///< largest margin seen over all postures of the target
+  std::array<RingSample, kFineRing> ring;  ///< scratch
 };
 
 /// Evaluates the posture at psi and its margin. `sample.opening` is used as guess.
-void sample_loop(const ArmModel& arm, const Vec3& wrist, const SelfMotionLoop& loop, double psi, RingSample& sample) noexcept;
+void sample_loop(const ArmModel& arm, const Vec3& wrist, const SelfMotionLoop& loop, double psi,
+                 RingSample& sample) noexcept;
 
 /// Finds every feasible arc: a ring of samples, edges by a bracketed root of the margin, arcs and gaps narrower than the
 /// ring's spacing by its local extrema. @alloc none

@@ -15,7 +15,7 @@ struct ArmModel {
   Segment forearm;
   Rhythm rhythm;
   JointLimits limits;
-  bool moving_shoulder = true;               ///< whether the shoulder's velocity enters the metric
+  bool moving_shoulder = true;  ///< whether the shoulder's velocity enters the metric
   Eigen::Matrix<double, 6, 6> mass = Eigen::Matrix<double, 6, 6>::Zero();
 };
 

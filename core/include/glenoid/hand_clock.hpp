@@ -11,7 +11,7 @@ namespace glenoid {
 /// lambda as a function of the fraction of the hand's way, for minimum jerk along the hand path (docs/equations.md, T2).
 struct HandClock {
   static constexpr int kOrder = 40;
-  std::array<double, kOrder + 1> legendre{};   ///< coefficients of lambda(h), h in [0, 1]
+  std::array<double, kOrder + 1> legendre{};  ///< coefficients of lambda(h), h in [0, 1]
 };
 
 /// Fits the clock of a path. @return false where the hand hardly moves or almost pauses on the way, so that its way is no

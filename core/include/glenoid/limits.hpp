@@ -20,8 +20,8 @@ struct JointLimits {
 
 /// How far a posture is inside the limits, and which limit is nearest.
 struct LimitMargin {
-  double margin_rad = 0.0;   ///< least signed distance; negative outside
-  int angle = 0;             ///< LimitedAngle of the least distance
+  double margin_rad = 0.0;  ///< least signed distance; negative outside
+  int angle = 0;            ///< LimitedAngle of the least distance
   bool at_upper = false;
 };
 

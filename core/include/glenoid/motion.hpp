@@ -19,18 +19,24 @@ struct MotionSettings {
   bool moving_shoulder = true;
   SwivelMode swivel_mode = SwivelMode::MinimumEnergy;
   double swivel_prescribed_rad = 0.2;
-  double duration_s = 1.5;                        ///< of each movement; may be changed between movements
+  double duration_s = 1.5;  ///< of each movement; may be changed between movements
   TimingLaw timing = TimingLaw::MinimumJerkRiemannian;
   JointLimits limits;
   Vec4 start_q = Vec4(15.0, -30.0, 30.0, 60.0) * (kPi / 180.0);
-  std::optional<Vec3> shoulder_start_m;           ///< measured glenohumeral centre at start_q: the rhythm is anchored there
+  std::optional<Vec3> shoulder_start_m;  ///< measured glenohumeral centre at start_q: the rhythm is anchored there
   ExoSettings exo;
 };
 
 /// What the arm is doing. Numbers are those of the FMU's `status` and fixed for life.
 enum class MotionStatus : int {
-  Idle = 1, Moving = 2, Arrived = 3, Stopped = 4,
-  TargetUnreachable = 5, LimitsInfeasible = 6, ExoInfeasible = 7, SolverFailed = 8,
+  Idle = 1,
+  Moving = 2,
+  Arrived = 3,
+  Stopped = 4,
+  TargetUnreachable = 5,
+  LimitsInfeasible = 6,
+  ExoInfeasible = 7,
+  SolverFailed = 8,
 };
 
 /// Short name, as the FMU's enumeration item. Never null.
@@ -44,16 +50,16 @@ struct MotionCommand {
 
 /// Everything that the generator knows about one instant; all finite, always.
 struct MotionSample {
-  Vec4 q, dq, ddq;                     ///< (theta, eta, zeta, phi): rad, rad/s, rad/s^2
+  Vec4 q, dq, ddq;  ///< (theta, eta, zeta, phi): rad, rad/s, rad/s^2
   Posture posture;
-  Vec3 shoulder, elbow, wrist;         ///< m in T
-  Vec3 girdle;                         ///< (phi_ed rad, phi_pr rad, d_SG m)
-  double swivel = 0.0;                 ///< rad
-  double progress = 0.0;               ///< lambda, 0..1
-  double energy = 0.0;                 ///< of the path on lambda, kg.m2
-  double misalignment = 0.0;           ///< m, moving centre against that of the start posture
-  Vec6 exo_q, exo_dq, exo_ddq;         ///< rad, rad/s, rad/s^2, order of ExoJoint
-  double exo_residual = 0.0;           ///< m, what the girdle's drives cannot reach
+  Vec3 shoulder, elbow, wrist;  ///< m in T
+  Vec3 girdle;                  ///< (phi_ed rad, phi_pr rad, d_SG m)
+  double swivel = 0.0;          ///< rad
+  double progress = 0.0;        ///< lambda, 0..1
+  double energy = 0.0;          ///< of the path on lambda, kg.m2
+  double misalignment = 0.0;    ///< m, moving centre against that of the start posture
+  Vec6 exo_q, exo_dq, exo_ddq;  ///< rad, rad/s, rad/s^2, order of ExoJoint
+  double exo_residual = 0.0;    ///< m, what the girdle's drives cannot reach
   MotionStatus status = MotionStatus::Idle;
 };
 
@@ -105,25 +111,25 @@ class MotionGenerator {
 
 struct MotionState {
   static constexpr int kGuide = 32;
-  double move_time_s = 0.0;         ///< when the current movement was accepted
-  double duration_s = 1.0;          ///< of the current movement
-  double next_duration_s = 1.0;     ///< of movements accepted from now on
-  double stop_time_s = 0.0;         ///< when the controlled stop began
+  double move_time_s = 0.0;      ///< when the current movement was accepted
+  double duration_s = 1.0;       ///< of the current movement
+  double next_duration_s = 1.0;  ///< of movements accepted from now on
+  double stop_time_s = 0.0;      ///< when the controlled stop began
   double stop_duration_s = 0.0;
-  double fade_duration_s = 0.0;     ///< 0: nothing of an earlier motion is left
-  double fade_share = 0.0;          ///< share of the path, 0..1, that keeps the clock of the earlier motion (T3)
-  int moving = 0;                   ///< a movement was accepted
+  double fade_duration_s = 0.0;  ///< 0: nothing of an earlier motion is left
+  double fade_share = 0.0;       ///< share of the path, 0..1, that keeps the clock of the earlier motion (T3)
+  int moving = 0;                ///< a movement was accepted
   int stopping = 0;
-  int rest_status = 1;              ///< MotionStatus once at rest
-  int target_known = 0;             ///< `target` was accepted and not given up since
-  int refused = 0;                  ///< `refused_target` was the last one refused
-  int hand_timing = 0;              ///< the hand clock below is in use
-  Vec3 target = Vec3::Zero();       ///< last accepted, right-arm frame
+  int rest_status = 1;         ///< MotionStatus once at rest
+  int target_known = 0;        ///< `target` was accepted and not given up since
+  int refused = 0;             ///< `refused_target` was the last one refused
+  int hand_timing = 0;         ///< the hand clock below is in use
+  Vec3 target = Vec3::Zero();  ///< last accepted, right-arm frame
   Vec3 refused_target = Vec3::Zero();
   /// Earlier motion fading out after a re-plan: body rates and accelerations at move_time_s (T3).
   Vec3 fade_w = Vec3::Zero(), fade_dw = Vec3::Zero();
   double fade_dphi = 0.0, fade_ddphi = 0.0;
-  std::array<Vec4, kGuide + 1> guide_q{};   ///< unwrapped q at uniform times of the movement
+  std::array<Vec4, kGuide + 1> guide_q{};  ///< unwrapped q at uniform times of the movement
   HandClock hand_clock;
   ExoGuide exo_guide;
   GeodesicPath path;

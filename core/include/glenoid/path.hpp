@@ -10,9 +10,9 @@ inline constexpr int kMaxPathOrder = 64;
 
 /// A geodesic between two postures on Legendre-Gauss-Lobatto nodes over lambda in [0, 1]. Trivially copyable.
 struct GeodesicPath {
-  static constexpr int kChannels = 7;   ///< x_U (3), z_U (3), phi
-  int order = 0;                        ///< number of intervals; order + 1 nodes; 0 = a posture at rest
-  double energy = 0.0;                  ///< 1/2 q'Mq', constant along the path, kg.m2
+  static constexpr int kChannels = 7;  ///< x_U (3), z_U (3), phi
+  int order = 0;                       ///< number of intervals; order + 1 nodes; 0 = a posture at rest
+  double energy = 0.0;                 ///< 1/2 q'Mq', constant along the path, kg.m2
   std::array<Posture, kMaxPathOrder + 1> nodes;
   /// Legendre coefficients of every channel, in blocks of eight (the last is padding).
   std::array<std::array<double, 8>, kMaxPathOrder + 1> legendre;

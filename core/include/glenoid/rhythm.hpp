@@ -11,15 +11,15 @@ enum class RhythmModel : int { Fixed = 1, SoltaniZarrin2017 = 2, Measured = 3 };
 
 struct RhythmSettings {
   RhythmModel model = RhythmModel::SoltaniZarrin2017;
-  double gain = 1.0;            ///< scales the displacement from rest; 0..1.5
-  double smoothing_rad = 0.1;   ///< theta -> theta erf(theta/smoothing); 0 = the polynomial as printed; 0..0.3
+  double gain = 1.0;           ///< scales the displacement from rest; 0..1.5
+  double smoothing_rad = 0.1;  ///< theta -> theta erf(theta/smoothing); 0 = the polynomial as printed; 0..0.3
 };
 
 /// Value and derivatives of the centre with respect to z_TU, the third column of R_TU (the upper arm points along -z_TU).
 struct RhythmJet {
-  Vec3 p_TS;                        ///< glenohumeral centre in T, m
-  Mat3 J_z;                         ///< d p_TS / d z_TU, m
-  std::array<Mat3, 3> H_z;          ///< second derivative of each coordinate, m
+  Vec3 p_TS;                ///< glenohumeral centre in T, m
+  Mat3 J_z;                 ///< d p_TS / d z_TU, m
+  std::array<Mat3, 3> H_z;  ///< second derivative of each coordinate, m
 };
 
 /// Replaceable model of the glenohumeral centre (docs/equations.md, R1-R5). A value: copy it, no memory is held.
@@ -45,7 +45,7 @@ class Rhythm {
  private:
   RhythmSettings settings_;
   double shoulder_distance_m_;
-  Vec3 rest_ = Vec3::Zero();     ///< centre of the hanging arm before anchoring
+  Vec3 rest_ = Vec3::Zero();  ///< centre of the hanging arm before anchoring
   Vec3 offset_ = Vec3::Zero();
 };
 

@@ -13,8 +13,8 @@ namespace glenoid {
 struct Segment {
   double length_m = 0.0;
   double mass_kg = 0.0;
-  double com_m = 0.0;                   ///< distance of the centre of mass from the proximal joint along -z
-  Vec3 inertia_kg_m2 = Vec3::Zero();    ///< principal moments about the centre of mass (x, y, z); z is axial
+  double com_m = 0.0;                 ///< distance of the centre of mass from the proximal joint along -z
+  Vec3 inertia_kg_m2 = Vec3::Zero();  ///< principal moments about the centre of mass (x, y, z); z is axial
 };
 
 /// What is known of a person. Absent values are scaled from stature and mass (de Leva 1996; docs/equations.md, A1-A4).
@@ -24,10 +24,10 @@ struct Subject {
   bool female = false;
   bool left_arm = false;
   std::optional<double> upper_arm_length_m;
-  std::optional<double> forearm_length_m;      ///< elbow to wrist centre
-  std::optional<double> shoulder_distance_m;   ///< d_0, sternoclavicular joint to glenohumeral centre at rest
+  std::optional<double> forearm_length_m;     ///< elbow to wrist centre
+  std::optional<double> shoulder_distance_m;  ///< d_0, sternoclavicular joint to glenohumeral centre at rest
   std::optional<double> upper_arm_mass_kg;
-  std::optional<double> forearm_mass_kg;       ///< forearm and hand together
+  std::optional<double> forearm_mass_kg;  ///< forearm and hand together
   std::optional<double> upper_arm_com_m;
   std::optional<double> forearm_com_m;
   std::optional<Vec3> upper_arm_inertia_kg_m2;
@@ -36,15 +36,15 @@ struct Subject {
 
 /// One line of the scaling report: which figure came from where.
 struct ScalingEntry {
-  std::string name;     ///< for example "upper_arm.length"
+  std::string name;  ///< for example "upper_arm.length"
   double value = 0.0;
-  std::string unit;     ///< "m", "kg", "kg.m2"
-  std::string source;   ///< "given" or the table and the rule that produced it
+  std::string unit;    ///< "m", "kg", "kg.m2"
+  std::string source;  ///< "given" or the table and the rule that produced it
 };
 
 struct ScaledArm {
   Segment upper_arm;
-  Segment forearm;                  ///< forearm with the hand in line, lumped
+  Segment forearm;  ///< forearm with the hand in line, lumped
   double shoulder_distance_m = 0.0;
   std::vector<ScalingEntry> report;
 };

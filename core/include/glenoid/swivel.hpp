@@ -15,7 +15,7 @@ struct FamilyMember {
   double swivel_rad = 0.0;
   Posture end;
   LimitMargin margin;
-  double energy = 0.0;   ///< coarse energy of the path to it, kg.m2; NaN where it was not computed
+  double energy = 0.0;  ///< coarse energy of the path to it, kg.m2; NaN where it was not computed
 };
 
 inline constexpr int kMaxFamily = 512;
@@ -51,8 +51,8 @@ class ReachPlanner {
   /// As plan_minimum_energy for a target near that of an earlier path: the minimum that continues it is found by one local
   /// solution; the global search runs only where that leaves the limits or does not converge (docs/equations.md, S5).
   /// @param previous  path that `start` lies on, at previous_lambda; may be out.path
-  Status replan_minimum_energy(const ArmModel& arm, const Posture& start, const Vec3& target, const GeodesicPath& previous,
-                               double previous_lambda, ReachPlan& out) noexcept;
+  Status replan_minimum_energy(const ArmModel& arm, const Posture& start, const Vec3& target,
+                               const GeodesicPath& previous, double previous_lambda, ReachPlan& out) noexcept;
 
   /// The posture with the given swivel angle that is nearest to the start in energy.
   Status plan_prescribed(const ArmModel& arm, const Posture& start, const Vec3& target, double swivel_rad,

@@ -3,8 +3,8 @@
 namespace glenoid {
 
 enum class TimingLaw : int {
-  MinimumJerkRiemannian = 1,   ///< minimum jerk of the Riemannian arc length (docs/equations.md, T1)
-  MinimumJerkHand = 2,         ///< minimum jerk of the hand's arc length (T2)
+  MinimumJerkRiemannian = 1,  ///< minimum jerk of the Riemannian arc length (docs/equations.md, T1)
+  MinimumJerkHand = 2,        ///< minimum jerk of the hand's arc length (T2)
 };
 
 /// Value with first and second derivative.
