@@ -36,7 +36,10 @@ Vec3 solve_gram(const Eigen::Matrix<double, 3, 4>& J, const Vec3& v) {
 }  // namespace
 
 DiscreteGeodesic::DiscreteGeodesic()
-    : grid_(&lobatto(8)), states_(2), current_(&states_[0]), trial_(&states_[1]),
+    : grid_(&lobatto(8)),
+      states_(2),
+      current_(&states_[0]),
+      trial_(&states_[1]),
       hessian_(static_cast<std::size_t>(tile_index(kMaxPathOrder, 0))) {}
 
 void DiscreteGeodesic::set_order(int order) noexcept { grid_ = &lobatto(order); }
@@ -80,7 +83,8 @@ void DiscreteGeodesic::project_end(const ArmModel& arm, Posture& end) const noex
   for (int i = 0; i < kPasses; ++i) {
     EmbeddedNode node;
     embed(arm, end, true, node);
-    const Vec3 wrist = node.shoulder.p_TS - arm.upper_arm.length_m * node.R.col(2) - arm.forearm.length_m * node.R_F.col(2);
+    const Vec3 wrist = node.shoulder.p_TS - arm.upper_arm.length_m * node.R.col(2) -
+                       arm.forearm.length_m * node.R_F.col(2);
     const Vec3 error = target_ - wrist;
     if (error.squaredNorm() < 1e-28) return;
     const auto J = wrist_jacobian(arm, node);

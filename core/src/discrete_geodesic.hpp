@@ -56,10 +56,10 @@ class DiscreteGeodesic {
   struct State {
     std::array<Posture, kNodes> posture;
     std::array<EmbeddedNode, kNodes> node;
-    alignas(32) double force[kNodes][kPadded];   ///< S * (mass F), padded
+    alignas(32) double force[kNodes][kPadded];     ///< S * (mass F), padded
     alignas(32) double momentum[kNodes][kPadded];  ///< mass F, relative to the first node
     Vec4 free_direction;
-    Eigen::Matrix<double, 3, 4> wrist;      ///< Jacobian of the wrist at the last node
+    Eigen::Matrix<double, 3, 4> wrist;  ///< Jacobian of the wrist at the last node
     Vec4 end_gradient;
   };
 
