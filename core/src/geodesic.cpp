@@ -22,6 +22,7 @@ constexpr double kChordContraction = 0.1;  // a further step must be this much s
 constexpr double kChordTolerance = 0.1;    // of the tolerance of a full step: a further step converges linearly only
 constexpr double kSaddleStep = 1e-6;       // rad; what a step must reach where the Hessian is not positive definite
 constexpr double kLeastDamping = 1e-3;
+constexpr int kSketchOrder = 12;          // paths of at most this order are not shown to users and need no certificate
 constexpr int kRetryOrder = 24;           // first grid of a second attempt in the short class
 
 bool finite(const Posture& p) { return p.R_TU.allFinite() && std::isfinite(p.phi); }
@@ -136,21 +137,22 @@ bool turns_long_way(const DiscreteGeodesic& d) {
 
 struct GeodesicSolver::Workspace {
   DiscreteGeodesic discrete;
-  GeodesicPath scratch;
+  GeodesicPath other;            ///< of the class that was tried second
+  Vec4 end_momentum = Vec4::Zero();
 
   Status run(const ArmModel& arm, const Posture& start, const Posture& end, const Vec3* target,
-             const GeodesicOptions& options, const GeodesicPath* warm, bool long_way, GeodesicPath& path, Certificate& c);
+             const GeodesicOptions& options, const GeodesicPath* warm, GeodesicPath& path, Certificate& c);
 };
 
 Status GeodesicSolver::Workspace::run(const ArmModel& arm, const Posture& start, const Posture& end, const Vec3* target,
-                                      const GeodesicOptions& options, const GeodesicPath* warm, bool long_way,
-                                      GeodesicPath& path, Certificate& c) {
+                                      const GeodesicOptions& options, const GeodesicPath* warm, GeodesicPath& path,
+                                      Certificate& c) {
   DiscreteGeodesic& d = discrete;
   d.set_order(std::min(options.first_order, options.max_order));
   if (warm != nullptr) {
     warm_guess(d, *warm, start, end);
   } else {
-    slerp_guess(d, start, end, long_way);
+    slerp_guess(d, start, end, options.long_way);
   }
   d.set_free_end(target);
   while (true) {
@@ -170,9 +172,12 @@ Status GeodesicSolver::Workspace::run(const ArmModel& arm, const Posture& start,
     }
   }
   c.order = d.order();
-  c.gradient = d.gradient_size();
-  c.speed_variation = d.speed_variation();
   c.long_way = turns_long_way(d);
+  end_momentum = d.end_momentum();
+  if (options.max_order > kSketchOrder) {
+    c.gradient = d.gradient_size();
+    c.speed_variation = d.speed_variation();
+  }
   return Status::Ok;
 }
 
@@ -186,19 +191,40 @@ Status GeodesicSolver::solve(const ArmModel& arm, const Posture& start, const Po
   if (!finite(start) || !finite(end)) return Status::NotFinite;
   Workspace& w = *workspace_;
   certificate = Certificate{};
-  Status status = w.run(arm, start, end, nullptr, options, warm, false, path, certificate);
-  if (status != Status::Ok && warm != nullptr) {
-    status = w.run(arm, start, end, nullptr, options, nullptr, false, path, certificate);
-  }
+  Status status = w.run(arm, start, end, nullptr, options, warm, path, certificate);
+  if (status != Status::Ok && warm != nullptr) status = w.run(arm, start, end, nullptr, options, nullptr, path, certificate);
+  GeodesicOptions other = options;
   if (status != Status::Ok && options.max_order > kRetryOrder) {
-    GeodesicOptions finer = options;
-    finer.first_order = kRetryOrder;
-    status = w.run(arm, start, end, nullptr, finer, nullptr, false, path, certificate);
+    other.first_order = kRetryOrder;
+    status = w.run(arm, start, end, nullptr, other, nullptr, path, certificate);
   }
-  if (status != Status::Ok) status = w.run(arm, start, end, nullptr, options, nullptr, true, path, certificate);
+  if (status != Status::Ok) {
+    other.long_way = !options.long_way;
+    status = w.run(arm, start, end, nullptr, other, nullptr, path, certificate);
+  }
   if (status != Status::Ok) return status;
   certificate.rotation_angle_rad = rotation_vector(start.R_TU.transpose() * end.R_TU).norm();
   return Status::Ok;
+}
+
+Status GeodesicSolver::solve_cheapest(const ArmModel& arm, const Posture& start, const Posture& end,
+                                      const GeodesicOptions& options, GeodesicPath& path,
+                                      Certificate& certificate) noexcept {
+  const Status status = solve(arm, start, end, options, nullptr, path, certificate);
+  if (status == Status::NotFinite) return status;
+  if (status == Status::Ok && certificate.rotation_angle_rad <= kWideRotation) return status;
+  const Vec4 momentum = end_momentum();
+  GeodesicOptions round = options;
+  round.long_way = !options.long_way;
+  Certificate other;
+  const Status second = solve(arm, start, end, round, nullptr, workspace_->other, other);
+  if (second == Status::Ok && (status != Status::Ok || workspace_->other.energy < path.energy)) {
+    path = workspace_->other;
+    certificate = other;
+    return second;
+  }
+  workspace_->end_momentum = momentum;
+  return status;
 }
 
 Status GeodesicSolver::solve_free_end(const ArmModel& arm, const Posture& start, const Posture& guess, const Vec3& target,
@@ -207,9 +233,9 @@ Status GeodesicSolver::solve_free_end(const ArmModel& arm, const Posture& start,
   if (!finite(start) || !finite(guess) || !target.allFinite()) return Status::NotFinite;
   Workspace& w = *workspace_;
   certificate = Certificate{};
-  Status status = w.run(arm, start, guess, &target, options, warm, false, path, certificate);
+  Status status = w.run(arm, start, guess, &target, options, warm, path, certificate);
   if (status != Status::Ok && warm != nullptr) {
-    status = w.run(arm, start, guess, &target, options, nullptr, false, path, certificate);
+    status = w.run(arm, start, guess, &target, options, nullptr, path, certificate);
   }
   if (status != Status::Ok) return status;
   const Posture& end = path.nodes[static_cast<std::size_t>(path.order)];
@@ -219,6 +245,6 @@ Status GeodesicSolver::solve_free_end(const ArmModel& arm, const Posture& start,
   return Status::Ok;
 }
 
-Vec4 GeodesicSolver::end_momentum() const noexcept { return workspace_->discrete.end_momentum(); }
+Vec4 GeodesicSolver::end_momentum() const noexcept { return workspace_->end_momentum; }
 
 }  // namespace glenoid

@@ -10,6 +10,8 @@
 namespace glenoid {
 namespace {
 
+constexpr double kMarginTolerance = 1e-9;  // rad; rounding of an end posture that sits on a limit
+
 /// Part of an earlier path from lambda on, as a path of its own: the start of a re-planned one.
 void remaining_path(const GeodesicPath& path, double lambda, GeodesicPath& out) {
   constexpr int kOrder = 16;
@@ -46,7 +48,6 @@ Status ReachPlanner::replan_minimum_energy(const ArmModel& arm, const Posture& s
                                            const GeodesicPath& previous, double previous_lambda, ReachPlan& out) noexcept {
   constexpr double kNear = 0.12;             // m; farther targets are planned afresh
   constexpr double kRest = 0.95;             // lambda beyond which nothing is left of the earlier path
-  constexpr double kMarginTolerance = 1e-9;  // rad
   if (!target.allFinite() || !std::isfinite(previous_lambda)) return Status::NotFinite;
   const Posture& end = previous.nodes[static_cast<std::size_t>(previous.order)];
   const bool near = previous.order > 0 && previous_lambda < kRest &&
@@ -88,8 +89,8 @@ Status ReachPlanner::plan_prescribed(const ArmModel& arm, const Posture& start, 
     const Posture& end = solutions.postures[static_cast<std::size_t>(i)];
     const LimitMargin margin = limit_margin(arm.limits, end);
     if (margin.margin_rad > out.best_margin.margin_rad) out.best_margin = margin;
-    if (margin.margin_rad < 0.0) continue;
-    const Status solved = workspace_->search.solver.solve(arm, start, end, {}, nullptr, trial.path, trial.certificate);
+    if (margin.margin_rad < -kMarginTolerance) continue;
+    const Status solved = workspace_->search.solver.solve_cheapest(arm, start, end, {}, trial.path, trial.certificate);
     if (solved != Status::Ok) {
       if (result != Status::Ok) result = solved;
     } else if (trial.path.energy < best) {
@@ -104,7 +105,7 @@ Status ReachPlanner::plan_prescribed(const ArmModel& arm, const Posture& start, 
 }
 
 Status ReachPlanner::plan_between(const ArmModel& arm, const Posture& start, const Posture& end, ReachPlan& out) noexcept {
-  const Status status = workspace_->search.solver.solve(arm, start, end, {}, nullptr, out.path, out.certificate);
+  const Status status = workspace_->search.solver.solve_cheapest(arm, start, end, {}, out.path, out.certificate);
   if (status != Status::Ok) return status;
   SelfMotion motion;
   const Vec3 wrist = forward_kinematics(arm, end).wrist;

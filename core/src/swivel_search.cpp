@@ -5,25 +5,95 @@
 #include <limits>
 
 #include "embedding.hpp"
+#include "glenoid/mass_matrix.hpp"
+#include "lobatto.hpp"
+#include "motion_jet.hpp"
 
 namespace glenoid {
 namespace {
 
 constexpr double kCellWidth = 25.0 * kPi / 180.0;   // rad of psi between coarse energies
+constexpr double kRivalCellWidth = 8.0 * kPi / 180.0;   // the same where two geodesics may compete
 constexpr double kRival = 0.02;                      // relative energy within which a second candidate is examined
 constexpr double kWideTurn = 2.0;                    // rad; beyond it two geodesics may compete, both starts are tried
 constexpr double kTangentStep = 1e-5;                // rad of psi
 constexpr double kMarginTolerance = 1e-9;            // rad; rounding of an end posture that sits on a limit
 constexpr GeodesicOptions kCoarse{std::numeric_limits<double>::infinity(), 6, 6, 2e-2};
+constexpr GeodesicOptions kMedium{std::numeric_limits<double>::infinity(), 6, 12, 1e-4};   // wide turns: rivals are near
 constexpr GeodesicOptions kFine{};
 
-
 bool finite(const Posture& p) { return p.R_TU.allFinite() && std::isfinite(p.phi); }
+
+double rotation_angle(const Posture& a, const Posture& b) { return rotation_vector(a.R_TU.transpose() * b.R_TU).norm(); }
 
 /// Value of the cubic Hermite interpolant of a cell at t in [0, 1].
 double hermite(const EnergySample& a, const EnergySample& b, double t) {
   const double h = b.psi - a.psi, r = 1.0 - t;
   return r * r * (1.0 + 2.0 * t) * a.energy + t * t * (3.0 - 2.0 * t) * b.energy + h * t * r * (r * a.slope - t * b.slope);
+}
+
+/// Looks for the least margin along a path.
+struct MarginSearch {
+  const JointLimits& limits;
+  const GeodesicPath& path;
+  LimitViolation& v;
+  double spacing = 0.0;   ///< distance to the points beside the worst one
+
+  double look(const Posture& posture, double lambda, double step) {
+    const LimitMargin m = limit_margin(limits, posture);
+    if (m.margin_rad < v.worst.margin_rad) v.worst = m, v.lambda = lambda, spacing = step;
+    return m.margin_rad;
+  }
+
+  /// Halving steps to both sides of the worst point.
+  void sharpen() {
+    constexpr int kHalvings = 5;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double step = 0.5 * spacing, middle = v.lambda;
+      for (const double lambda : {middle - step, middle + step}) {
+        if (lambda > 0.0 && lambda < 1.0) look(path_posture(path, lambda), lambda, step);
+      }
+      spacing = step;
+    }
+  }
+};
+
+/// Least margin along a path: at its nodes, and between two of them where a limit is near.
+void find_violation(const JointLimits& limits, const GeodesicPath& path, LimitViolation& v) {
+  constexpr double kNear = 0.2;        // rad of margin
+  constexpr double kReported = 1e-6;   // rad; less is the rounding of an end on a limit
+  const Lobatto& grid = lobatto(path.order);
+  v = LimitViolation{};
+  v.worst.margin_rad = std::numeric_limits<double>::infinity();
+  MarginSearch search{limits, path, v};
+  double before = search.look(path.nodes[0], 0.0, grid.node[1]);
+  for (int k = 1; k <= path.order; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    const double width = grid.node[i] - grid.node[i - 1], middle = grid.node[i - 1] + 0.5 * width;
+    const double now = search.look(path.nodes[i], grid.node[i], width);
+    if (std::min(before, now) < kNear) search.look(path_posture(path, middle), middle, 0.5 * width);
+    before = now;
+  }
+  if (v.worst.margin_rad < kNear) search.sharpen();
+  v.any = v.worst.margin_rad < -kReported;
+}
+
+/// Variation of the energy of the interpolated path: between nodes it is larger than at them, where derivatives are best.
+double variation_between_nodes(const ArmModel& arm, const GeodesicPath& path) {
+  const Lobatto& grid = lobatto(path.order);
+  double most = 0.0;
+  for (const int k : {0, 1, path.order / 2, path.order - 1}) {
+    const auto i = static_cast<std::size_t>(k);
+    const double middle = 0.5 * (grid.node[i] + grid.node[i + 1]);
+    PostureJet jet;
+    PostureRates rates, accelerations;
+    evaluate_path(path, middle, jet);
+    body_rates(jet, rates, accelerations);
+    Vec4 v;
+    v << rates.w_TU_U, rates.phi;
+    most = std::max(most, std::abs(0.5 * v.dot(body_mass_matrix(arm, path_posture(path, middle)) * v) - path.energy));
+  }
+  return path.energy > 0.0 ? 2.0 * most / path.energy : 0.0;
 }
 
 }  // namespace
@@ -38,35 +108,61 @@ Status SwivelSearch::prepare(const ArmModel& arm, const Posture& start, const Ve
   return Status::Ok;
 }
 
-/// Coarse energy and its exact derivative along the loop (docs/equations.md, S2).
-bool SwivelSearch::coarse_energy(const ArmModel& arm, const Posture& start, const Vec3& target,
-                                            const SelfMotionLoop& loop, const GeodesicPath* warm, EnergySample& s) {
+const SelfMotionLoop& SwivelSearch::loop_of(int arc) const {
+  return set_.motion.loops[static_cast<std::size_t>(set_.arcs[static_cast<std::size_t>(arc)].loop)];
+}
+
+/// Cold starts in the short class and, where the rotation is wide, in the other one; keeps what is cheaper than s.path.
+bool SwivelSearch::try_cold(const ArmModel& arm, const Posture& start, const GeodesicOptions& options, bool solved,
+                            EnergySample& s) {
+  Certificate c;
+  const bool ok = solver.solve_cheapest(arm, start, s.posture, options, scratch_, c) == Status::Ok;
+  if (ok && (!solved || scratch_.energy < s.path.energy)) {
+    s.path = scratch_;
+    s.momentum = solver.end_momentum();
+  }
+  return ok || solved;
+}
+
+/// Energy and its exact derivative along the loop (docs/equations.md, S2).
+bool SwivelSearch::sample_energy(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,
+                                 const GeodesicOptions& options, const GeodesicPath* warm, EnergySample& s) {
   if (!loop_posture(arm, target, loop, s.psi, s.opening, s.posture)) return false;
   Certificate c;
-  bool ok = solver.solve(arm, start, s.posture, kCoarse, warm, s.path, c) == Status::Ok;
-  Vec4 momentum = solver.end_momentum();
-  if (warm != nullptr && (!ok || c.long_way || c.rotation_angle_rad > kWideTurn)) {
-    const bool cold = solver.solve(arm, start, s.posture, kCoarse, nullptr, scratch_, c) == Status::Ok;
-    if (cold && (!ok || scratch_.energy < s.path.energy)) {
-      s.path = scratch_;
-      momentum = solver.end_momentum();
-      ok = true;
-    }
+  bool ok = false;
+  if (warm != nullptr) {
+    ok = solver.solve(arm, start, s.posture, options, warm, s.path, c) == Status::Ok;
+    s.momentum = solver.end_momentum();
   }
+  if (!ok || c.long_way || c.rotation_angle_rad > kWideTurn) ok = try_cold(arm, start, options, ok, s);
   if (!ok) return false;
   s.energy = s.path.energy;
   Posture ahead;
   double opening = s.opening;
   if (!loop_posture(arm, target, loop, s.psi + kTangentStep, opening, ahead)) return false;
   const Vec3 turn = rotation_vector(s.posture.R_TU.transpose() * ahead.R_TU);
-  s.slope = (momentum.head<3>().dot(turn) + momentum[3] * (ahead.phi - s.posture.phi)) / kTangentStep;
+  s.slope = (s.momentum.head<3>().dot(turn) + s.momentum[3] * (ahead.phi - s.posture.phi)) / kTangentStep;
   return true;
+}
+
+/// Whether somewhere on the arc the rotation from the start is wide: looked for at five places.
+bool SwivelSearch::has_wide_turn(const ArmModel& arm, const Posture& start, const Vec3& target, int arc) const {
+  constexpr int kPlaces = 4;
+  const FeasibleArc& a = set_.arcs[static_cast<std::size_t>(arc)];
+  double opening = 0.0;
+  for (int k = 0; k <= kPlaces; ++k) {
+    Posture posture;
+    const double psi = a.begin + (a.end - a.begin) * k / kPlaces;
+    if (loop_posture(arm, target, loop_of(arc), psi, opening, posture) && rotation_angle(start, posture) > kWideTurn) return true;
+  }
+  return false;
 }
 
 void SwivelSearch::sample_arc(const ArmModel& arm, const Posture& start, const Vec3& target, int arc) {
   const FeasibleArc& a = set_.arcs[static_cast<std::size_t>(arc)];
-  const SelfMotionLoop& loop = set_.motion.loops[static_cast<std::size_t>(a.loop)];
-  const int cells = std::max(1, static_cast<int>(std::ceil((a.end - a.begin) / kCellWidth)));
+  const SelfMotionLoop& loop = loop_of(arc);
+  const double width = has_wide_turn(arm, start, target, arc) ? kRivalCellWidth : kCellWidth;
+  const int cells = std::max(1, static_cast<int>(std::ceil((a.end - a.begin) / width)));
   const int first = sample_count_;
   const GeodesicPath* warm = nullptr;
   double opening = 0.0;
@@ -78,8 +174,11 @@ void SwivelSearch::sample_arc(const ArmModel& arm, const Posture& start, const V
       const double psi = s.psi;
       s = samples_[static_cast<std::size_t>(first)];  // the loop closes
       s.psi = psi;
-    } else if (!coarse_energy(arm, start, target, loop, warm, s)) {
+    } else if (!sample_energy(arm, start, target, loop, kCoarse, warm, s)) {
       continue;
+    } else if (rotation_angle(start, s.posture) > kWideTurn) {
+      scratch_ = s.path;   // rivals are near, and the coarse grid errs by more than their difference
+      if (!sample_energy(arm, start, target, loop, kMedium, &scratch_, s)) continue;
     }
     opening = s.opening;
     warm = &s.path;
@@ -97,8 +196,8 @@ void SwivelSearch::find_candidates(int arc, int first) {
   const EnergySample& begin = samples_[static_cast<std::size_t>(first)];
   const EnergySample& end = samples_[static_cast<std::size_t>(sample_count_ - 1)];
   if (!whole) {
-    if (begin.slope >= 0.0) add_candidate({begin.energy, begin.psi, arc, first, -1});
-    if (end.slope <= 0.0) add_candidate({end.energy, end.psi, arc, sample_count_ - 1, +1});
+    if (begin.slope >= 0.0) add_candidate({begin.energy, begin.psi, arc, first, first, -1});
+    if (end.slope <= 0.0) add_candidate({end.energy, end.psi, arc, sample_count_ - 1, first, +1});
   }
   constexpr int kParts = 8;
   for (int i = first; i + 1 < sample_count_; ++i) {
@@ -112,20 +211,21 @@ void SwivelSearch::find_candidates(int arc, int first) {
     const bool interior = best > 0 && best < kParts;
     if (interior || (a.slope < 0.0 && b.slope > 0.0)) {
       const double t = static_cast<double>(best) / kParts;
-      add_candidate({least, a.psi + t * (b.psi - a.psi), arc, t < 0.5 ? i : i + 1, 0});
+      add_candidate({least, a.psi + t * (b.psi - a.psi), arc, t < 0.5 ? i : i + 1, i, 0});
     }
   }
 }
 
 Status SwivelSearch::refine_edge(const ArmModel& arm, const Posture& start, const Vec3& target, int arc, int edge,
-                                            ReachPlan& out) {
+                                 const GeodesicPath* warm, ReachPlan& out) {
   const FeasibleArc& a = set_.arcs[static_cast<std::size_t>(arc)];
-  const SelfMotionLoop& loop = set_.motion.loops[static_cast<std::size_t>(a.loop)];
+  const SelfMotionLoop& loop = loop_of(arc);
   const double psi = edge < 0 ? a.begin : a.end;
   double opening = 0.0;
   Posture posture, inside;
   if (!loop_posture(arm, target, loop, psi, opening, posture)) return Status::NoConvergence;
-  const Status status = solver.solve(arm, start, posture, kFine, nullptr, out.path, out.certificate);
+  const Status status = warm != nullptr ? solver.solve(arm, start, posture, kFine, warm, out.path, out.certificate)
+                                        : solver.solve_cheapest(arm, start, posture, kFine, out.path, out.certificate);
   if (status != Status::Ok) return status;
   const Vec4 p = solver.end_momentum();
   if (!loop_posture(arm, target, loop, psi - edge * kTangentStep, opening, inside)) return Status::NoConvergence;
@@ -137,10 +237,10 @@ Status SwivelSearch::refine_edge(const ArmModel& arm, const Posture& start, cons
   return Status::Ok;
 }
 
-Status SwivelSearch::best_edge(const ArmModel& arm, const Posture& start, const Vec3& target, int arc,
-                                          ReachPlan& out) {
-  const Status first = refine_edge(arm, start, target, arc, -1, edge_);
-  const Status second = refine_edge(arm, start, target, arc, +1, out);
+Status SwivelSearch::best_edge(const ArmModel& arm, const Posture& start, const Vec3& target, int arc, ReachPlan& out) {
+  if (set_.arcs[static_cast<std::size_t>(arc)].whole) return Status::NoConvergence;
+  const Status first = refine_edge(arm, start, target, arc, -1, nullptr, edge_);
+  const Status second = refine_edge(arm, start, target, arc, +1, nullptr, out);
   if (first == Status::Ok && (second != Status::Ok || edge_.path.energy < out.path.energy)) {
     out.path = edge_.path;
     out.certificate = edge_.certificate;
@@ -149,22 +249,61 @@ Status SwivelSearch::best_edge(const ArmModel& arm, const Posture& start, const 
   return second;
 }
 
+/// Free end from a guess, with the result inside the limits.
+Status SwivelSearch::refine_interior(const ArmModel& arm, const Posture& start, const Vec3& target, const Posture& guess,
+                                     const GeodesicPath& warm, ReachPlan& out) {
+  const Status status = solver.solve_free_end(arm, start, guess, target, kFine, &warm, out.path, out.certificate);
+  if (status != Status::Ok) return status;
+  const Posture& end = out.path.nodes[static_cast<std::size_t>(out.path.order)];
+  return limit_margin(arm.limits, end).margin_rad >= -kMarginTolerance ? status : Status::LimitsInfeasible;
+}
+
+/// Narrows (low_, high_) around a minimum by the sign of the exact slope; middle_ is the last one tried.
+bool SwivelSearch::narrow_cell(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,
+                               const GeodesicOptions& options, double width) {
+  constexpr int kMostSteps = 40;
+  for (int i = 0; i < kMostSteps && high_.psi - low_.psi > width; ++i) {
+    const double secant = low_.slope / (low_.slope - high_.slope);
+    const double share = i % 3 == 2 || !(secant > 0.05 && secant < 0.95) ? 0.5 : secant;
+    const EnergySample& near = share < 0.5 ? low_ : high_;
+    middle_.psi = low_.psi + share * (high_.psi - low_.psi);
+    middle_.opening = near.opening;
+    if (!sample_energy(arm, start, target, loop, options, &near.path, middle_)) return false;
+    (middle_.slope < 0.0 ? low_ : high_) = middle_;
+  }
+  return true;
+}
+
+/// Minimum inside a cell where the free end left the arc or did not settle: bracketed, so that it cannot escape.
+Status SwivelSearch::refine_cell(const ArmModel& arm, const Posture& start, const Vec3& target, const Candidate& c,
+                                 ReachPlan& out) {
+  constexpr double kFirstWidth = 0.02, kLastWidth = 1e-6;   // rad of psi
+  const SelfMotionLoop& loop = loop_of(c.arc);
+  low_ = samples_[static_cast<std::size_t>(c.cell)];
+  high_ = samples_[static_cast<std::size_t>(c.cell + 1)];
+  if (!narrow_cell(arm, start, target, loop, kMedium, kFirstWidth)) return Status::NoConvergence;
+  if (refine_interior(arm, start, target, middle_.posture, middle_.path, out) == Status::Ok) return Status::Ok;
+  if (!narrow_cell(arm, start, target, loop, kFine, kLastWidth)) return Status::NoConvergence;
+  const Status status = solver.solve(arm, start, middle_.posture, kFine, &middle_.path, out.path, out.certificate);
+  const Vec4 p = solver.end_momentum();
+  out.certificate.transversality = std::abs(middle_.slope) / (p.norm() + 1e-300);
+  return status;
+}
+
 Status SwivelSearch::refine(const ArmModel& arm, const Posture& start, const Vec3& target, const Candidate& c,
-                                       ReachPlan& out) {
-  if (c.edge != 0) return refine_edge(arm, start, target, c.arc, c.edge, out);
+                            ReachPlan& out) {
   const EnergySample& s = samples_[static_cast<std::size_t>(c.nearest)];
-  const SelfMotionLoop& loop =
-      set_.motion.loops[static_cast<std::size_t>(set_.arcs[static_cast<std::size_t>(c.arc)].loop)];
+  if (c.edge != 0) return refine_edge(arm, start, target, c.arc, c.edge, &s.path, out);
   Posture guess;
   double opening = s.opening;
-  if (!loop_posture(arm, target, loop, c.psi, opening, guess)) guess = s.posture;
-  const Status status = solver.solve_free_end(arm, start, guess, target, kFine, &s.path, out.path, out.certificate);
-  if (status == Status::Ok) {
-    const Posture& end = out.path.nodes[static_cast<std::size_t>(out.path.order)];
-    if (limit_margin(arm.limits, end).margin_rad >= -kMarginTolerance) return status;
-  }
-  // It left the arc (or did not settle): the least energy of this arc lies at one of its edges, if it has any.
-  return set_.arcs[static_cast<std::size_t>(c.arc)].whole ? Status::NoConvergence : best_edge(arm, start, target, c.arc, out);
+  if (!loop_posture(arm, target, loop_of(c.arc), c.psi, opening, guess)) guess = s.posture;
+  if (refine_interior(arm, start, target, guess, s.path, out) == Status::Ok) return Status::Ok;
+  const Status inside = refine_cell(arm, start, target, c, out);
+  const Status edge = best_edge(arm, start, target, c.arc, edges_);
+  if (edge != Status::Ok || (inside == Status::Ok && out.path.energy <= edges_.path.energy)) return inside;
+  out.path = edges_.path;
+  out.certificate = edges_.certificate;
+  return edge;
 }
 
 /// No candidate settled: the end posture of least coarse energy, without a claim to be the minimum.
@@ -205,18 +344,8 @@ void describe_reach(const ArmModel& arm, const Vec3& target, ReachPlan& out) noe
   const ArmPoints points = forward_kinematics(arm, end);
   out.certificate.hand_error_m = (points.wrist - target).norm();
   out.swivel_rad = swivel_angle(points);
-  LimitViolation& v = out.certificate.limits;
-  v.worst.margin_rad = std::numeric_limits<double>::infinity();
-  const int steps = 2 * std::max(out.path.order, 8);
-  for (int k = 0; k <= steps; ++k) {
-    const double lambda = static_cast<double>(k) / steps;
-    const LimitMargin m = limit_margin(arm.limits, path_posture(out.path, lambda));
-    if (m.margin_rad < v.worst.margin_rad) {
-      v.worst = m;
-      v.lambda = lambda;
-    }
-  }
-  v.any = v.worst.margin_rad < -1e-6;
+  find_violation(arm.limits, out.path, out.certificate.limits);
+  out.certificate.speed_variation = std::max(out.certificate.speed_variation, variation_between_nodes(arm, out.path));
 }
 
 }  // namespace glenoid

@@ -12,6 +12,7 @@ struct EnergySample {
   double psi = 0.0, opening = 0.0;
   double energy = 0.0, slope = 0.0;   ///< slope: d energy / d psi
   Posture posture;
+  Vec4 momentum = Vec4::Zero();       ///< p(1), body coordinates of the posture
   GeodesicPath path;
 };
 
@@ -20,6 +21,7 @@ struct Candidate {
   double psi = 0.0;
   int arc = 0;
   int nearest = 0;         ///< index of the energy sample to start from
+  int cell = 0;            ///< index of the sample at the begin of its cell; interior candidates only
   int edge = 0;            ///< -1 begin, +1 end, 0 interior
 };
 
@@ -36,17 +38,26 @@ class SwivelSearch {
   ReachPlan trial;   ///< scratch for callers between calls
 
  private:
-  // cells of 25 deg over one turn in at most kMaxArcs arcs
-  static constexpr int kMaxSamples = 48;
+  // cells of 25 deg, or 8 deg where two geodesics may compete, over one turn in at most kMaxArcs arcs
+  static constexpr int kMaxSamples = 64;
   static constexpr int kMaxCandidates = 32;
 
-  bool coarse_energy(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,
-                     const GeodesicPath* warm, EnergySample& sample);
+  [[nodiscard]] const SelfMotionLoop& loop_of(int arc) const;
+  bool sample_energy(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,
+                     const GeodesicOptions& options, const GeodesicPath* warm, EnergySample& sample);
+  bool try_cold(const ArmModel& arm, const Posture& start, const GeodesicOptions& options, bool solved, EnergySample& sample);
+  [[nodiscard]] bool has_wide_turn(const ArmModel& arm, const Posture& start, const Vec3& target, int arc) const;
   void sample_arc(const ArmModel& arm, const Posture& start, const Vec3& target, int arc);
   void find_candidates(int arc, int first);
   void add_candidate(const Candidate& candidate);
   Status refine(const ArmModel& arm, const Posture& start, const Vec3& target, const Candidate& candidate, ReachPlan& out);
-  Status refine_edge(const ArmModel& arm, const Posture& start, const Vec3& target, int arc, int edge, ReachPlan& out);
+  Status refine_interior(const ArmModel& arm, const Posture& start, const Vec3& target, const Posture& guess,
+                         const GeodesicPath& warm, ReachPlan& out);
+  Status refine_cell(const ArmModel& arm, const Posture& start, const Vec3& target, const Candidate& candidate, ReachPlan& out);
+  bool narrow_cell(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,
+                   const GeodesicOptions& options, double width);
+  Status refine_edge(const ArmModel& arm, const Posture& start, const Vec3& target, int arc, int edge,
+                     const GeodesicPath* warm, ReachPlan& out);
   Status best_edge(const ArmModel& arm, const Posture& start, const Vec3& target, int arc, ReachPlan& out);
   Status fall_back(const ArmModel& arm, const Posture& start, ReachPlan& out);
 
@@ -55,7 +66,8 @@ class SwivelSearch {
   int sample_count_ = 0;
   std::array<Candidate, kMaxCandidates> candidates_;
   int candidate_count_ = 0;
-  ReachPlan edge_;
+  EnergySample low_, high_, middle_;   ///< bracket of a minimum inside a cell
+  ReachPlan edge_, edges_;
   GeodesicPath scratch_;
 };
 

@@ -15,6 +15,7 @@ struct Candidate {
   double energy = 0.0;
 };
 
+constexpr double kRivalTurn = 2.0;   // rad; beyond it the geodesic the long way round is tried, too
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 double energy_at(const ArmModel& arm, const Posture& start, const Posture& end, double tail, const GeodesicPath* near,
@@ -23,8 +24,12 @@ double energy_at(const ArmModel& arm, const Posture& start, const Posture& end, 
   options.tail_tolerance = tail;
   GeodesicPath path;
   Certificate certificate;
-  const Status status = solver.solve(arm, start, end, options, near, path, certificate);
-  return status == Status::Ok ? path.energy : kNever;
+  double energy = kNever;
+  if (solver.solve(arm, start, end, options, near, path, certificate) == Status::Ok) energy = path.energy;
+  if (near != nullptr || certificate.rotation_angle_rad < kRivalTurn) return energy;
+  options.long_way = true;
+  if (solver.solve(arm, start, end, options, nullptr, path, certificate) == Status::Ok) energy = std::min(energy, path.energy);
+  return energy;
 }
 
 int longest_cyclic_run(const std::vector<bool>& flags) {

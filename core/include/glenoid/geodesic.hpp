@@ -35,9 +35,13 @@ struct Certificate {
 struct GeodesicOptions {
   double tail_tolerance = 1e-6;   ///< refine until spectral_tail is below this
   int first_order = 8;            ///< grid of the first, loose solution; orders are 6, 8, 12, 16, 24, 40, 64
-  int max_order = kMaxPathOrder;  ///< the finest grid that may be used
+  int max_order = kMaxPathOrder;  ///< the finest grid that may be used; up to 12 the certificate has no gradient nor speed variation
   double step_tolerance = 1e-6;   ///< rad; a full Newton step below this ends the iteration, what is left is about its square
+  bool long_way = false;          ///< a cold start turns the long way round: the other homotopy class
 };
+
+/// Rotations beyond it may have a cheaper geodesic the long way round, rad.
+inline constexpr double kWideRotation = 2.4;
 
 /// Geodesics of the arm's kinetic-energy metric between two postures, on SO(3) x R; docs/equations.md, G1-G6.
 ///
@@ -55,6 +59,10 @@ class GeodesicSolver {
   /// @param warm  an earlier path between nearby postures to start from, or null; may be the same object as `path`
   Status solve(const ArmModel& arm, const Posture& start, const Posture& end, const GeodesicOptions& options,
                const GeodesicPath* warm, GeodesicPath& path, Certificate& certificate) noexcept;
+
+  /// The cheaper of the two classes where the rotation is wider than kWideRotation, else as solve from a cold start.
+  Status solve_cheapest(const ArmModel& arm, const Posture& start, const Posture& end, const GeodesicOptions& options,
+                        GeodesicPath& path, Certificate& certificate) noexcept;
 
   /// As solve, with the last node free to move on the self-motion {wrist = target}: a local minimum of the energy over the
   /// swivel angle, from the posture `guess` (docs/equations.md, S3).
