@@ -51,7 +51,9 @@ def build_description(names: list[str]) -> bytes:
     """sources/buildDescription.xml: C++20, one include directory, function names without prefix."""
     root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
     configuration = ET.SubElement(root, "BuildConfiguration", modelIdentifier="Glenoid", description="Any C++20 compiler")
-    files = ET.SubElement(configuration, "SourceFileSet", language="C++20", compilerOptions="-O3 -ffp-contract=off")
+    files = ET.SubElement(
+        configuration, "SourceFileSet", language="C++20", compiler="gcc", compilerOptions="-O3 -ffp-contract=off"
+    )
     for name in names:
         ET.SubElement(files, "SourceFile", name=name)
     ET.SubElement(files, "PreprocessorDefinition", name="FMI3_OVERRIDE_FUNCTION_PREFIX")
