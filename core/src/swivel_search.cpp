@@ -124,9 +124,9 @@ bool SwivelSearch::try_cold(const ArmModel& arm, const Posture& start, const Geo
   return ok || solved;
 }
 
-/// Energy and its exact derivative along the loop (docs/equations.md, S2).
+/// Energy and its exact derivative along the loop (docs/equations.md, S2). With `rivals`, cold starts are tried beside the warm one.
 bool SwivelSearch::sample_energy(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,
-                                 const GeodesicOptions& options, const GeodesicPath* warm, EnergySample& s) {
+                                 const GeodesicOptions& options, const GeodesicPath* warm, bool rivals, EnergySample& s) {
   if (!loop_posture(arm, target, loop, s.psi, s.opening, s.posture)) return false;
   Certificate c;
   bool ok = false;
@@ -134,7 +134,7 @@ bool SwivelSearch::sample_energy(const ArmModel& arm, const Posture& start, cons
     ok = solver.solve(arm, start, s.posture, options, warm, s.path, c) == Status::Ok;
     s.momentum = solver.end_momentum();
   }
-  if (!ok || c.long_way || c.rotation_angle_rad > kWideTurn) ok = try_cold(arm, start, options, ok, s);
+  if (!ok || rivals || c.long_way || c.rotation_angle_rad > kWideTurn) ok = try_cold(arm, start, options, ok, s);
   if (!ok) return false;
   s.energy = s.path.energy;
   Posture ahead;
@@ -161,7 +161,8 @@ bool SwivelSearch::has_wide_turn(const ArmModel& arm, const Posture& start, cons
 void SwivelSearch::sample_arc(const ArmModel& arm, const Posture& start, const Vec3& target, int arc) {
   const FeasibleArc& a = set_.arcs[static_cast<std::size_t>(arc)];
   const SelfMotionLoop& loop = loop_of(arc);
-  const double width = has_wide_turn(arm, start, target, arc) ? kRivalCellWidth : kCellWidth;
+  const bool rivals = has_wide_turn(arm, start, target, arc);
+  const double width = rivals ? kRivalCellWidth : kCellWidth;
   const int cells = std::max(1, static_cast<int>(std::ceil((a.end - a.begin) / width)));
   const int first = sample_count_;
   const GeodesicPath* warm = nullptr;
@@ -174,11 +175,11 @@ void SwivelSearch::sample_arc(const ArmModel& arm, const Posture& start, const V
       const double psi = s.psi;
       s = samples_[static_cast<std::size_t>(first)];  // the loop closes
       s.psi = psi;
-    } else if (!sample_energy(arm, start, target, loop, kCoarse, warm, s)) {
+    } else if (!sample_energy(arm, start, target, loop, kCoarse, warm, rivals, s)) {
       continue;
     } else if (rotation_angle(start, s.posture) > kWideTurn) {
-      scratch_ = s.path;   // rivals are near, and the coarse grid errs by more than their difference
-      if (!sample_energy(arm, start, target, loop, kMedium, &scratch_, s)) continue;
+      coarse_ = s.path;   // rivals are near, and the coarse grid errs by more than their difference
+      if (!sample_energy(arm, start, target, loop, kMedium, &coarse_, rivals, s)) continue;
     }
     opening = s.opening;
     warm = &s.path;
@@ -268,7 +269,7 @@ bool SwivelSearch::narrow_cell(const ArmModel& arm, const Posture& start, const 
     const EnergySample& near = share < 0.5 ? low_ : high_;
     middle_.psi = low_.psi + share * (high_.psi - low_.psi);
     middle_.opening = near.opening;
-    if (!sample_energy(arm, start, target, loop, options, &near.path, middle_)) return false;
+    if (!sample_energy(arm, start, target, loop, options, &near.path, true, middle_)) return false;
     (middle_.slope < 0.0 ? low_ : high_) = middle_;
   }
   return true;

@@ -44,7 +44,7 @@ class SwivelSearch {
 
   [[nodiscard]] const SelfMotionLoop& loop_of(int arc) const;
   bool sample_energy(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,
-                     const GeodesicOptions& options, const GeodesicPath* warm, EnergySample& sample);
+                     const GeodesicOptions& options, const GeodesicPath* warm, bool rivals, EnergySample& sample);
   bool try_cold(const ArmModel& arm, const Posture& start, const GeodesicOptions& options, bool solved, EnergySample& sample);
   [[nodiscard]] bool has_wide_turn(const ArmModel& arm, const Posture& start, const Vec3& target, int arc) const;
   void sample_arc(const ArmModel& arm, const Posture& start, const Vec3& target, int arc);
@@ -68,7 +68,7 @@ class SwivelSearch {
   int candidate_count_ = 0;
   EnergySample low_, high_, middle_;   ///< bracket of a minimum inside a cell
   ReachPlan edge_, edges_;
-  GeodesicPath scratch_;
+  GeodesicPath scratch_, coarse_;
 };
 
 /// Fills what a finished path tells about the reach: hand error, swivel angle, limits on the way.
