@@ -54,9 +54,7 @@ def add_types(source: ET.Element, target: ET.Element) -> None:
 def add_variable(variable: ET.Element, target: ET.Element) -> None:
     """One typed element of FMI 3 -> ScalarVariable with a typed child."""
     scalar = ET.SubElement(target, "ScalarVariable")
-    copy_attributes(
-        variable, scalar, ("name", "valueReference", "description", "causality", "variability", "initial")
-    )
+    copy_attributes(variable, scalar, ("name", "valueReference", "description", "causality", "variability", "initial"))
     typed = ET.SubElement(scalar, TYPES[variable.tag])
     copy_attributes(variable, typed, ("declaredType", "unit", "displayUnit", "min", "max", "start"))
 

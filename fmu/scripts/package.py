@@ -36,7 +36,15 @@ def variable_rows(root: ET.Element) -> str:
 
 def eigen_files(arguments: argparse.Namespace, include: list[str]) -> Files:
     """Every file of the Eigen modules that the sources use, for all processors."""
-    command = [arguments.compiler, "-std=c++20", "-M", *include, "-I", str(arguments.eigen), *map(str, arguments.sources)]
+    command = [
+        arguments.compiler,
+        "-std=c++20",
+        "-M",
+        *include,
+        "-I",
+        str(arguments.eigen),
+        *map(str, arguments.sources),
+    ]
     listing = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     used = {Path(name).resolve() for name in re.findall(r"[^\s\\:]+", listing)}
     eigen = arguments.eigen.resolve()
@@ -50,7 +58,9 @@ def eigen_files(arguments: argparse.Namespace, include: list[str]) -> Files:
 def build_description(names: list[str]) -> bytes:
     """sources/buildDescription.xml: C++20, one include directory, function names without prefix."""
     root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
-    configuration = ET.SubElement(root, "BuildConfiguration", modelIdentifier="Glenoid", description="Any C++20 compiler")
+    configuration = ET.SubElement(
+        root, "BuildConfiguration", modelIdentifier="Glenoid", description="Any C++20 compiler"
+    )
     files = ET.SubElement(
         configuration, "SourceFileSet", language="C++20", compiler="gcc", compilerOptions="-O3 -ffp-contract=off"
     )
@@ -72,12 +82,18 @@ def source_files(arguments: argparse.Namespace) -> tuple[Files, list[str]]:
         folder = "core" if source.is_relative_to(root / "core") else "fmu"
         names.append(f"{folder}/{source.name}")
         files[f"sources/{names[-1]}"] = source.read_bytes()
-    for folder, pattern in (("core", "core/src/*.hpp"), ("fmu", "fmu/src/*.hpp"), ("glenoid", "core/include/glenoid/*.hpp")):
+    for folder, pattern in (
+        ("core", "core/src/*.hpp"),
+        ("fmu", "fmu/src/*.hpp"),
+        ("glenoid", "core/include/glenoid/*.hpp"),
+    ):
         files |= {f"sources/{folder}/{path.name}": path.read_bytes() for path in root.glob(pattern)}
     for version in ("fmi2", "fmi3"):
         files |= {f"sources/{version}/{p.name}": p.read_bytes() for p in (root / "fmu/headers" / version).glob("*.h")}
     files["sources/fmu/variable_table.hpp"] = arguments.table.read_bytes()
-    include = [f"-I{p}" for p in (root / "core/include", root / "fmu/headers", root / "fmu/src", arguments.table.parent)]
+    include = [
+        f"-I{p}" for p in (root / "core/include", root / "fmu/headers", root / "fmu/src", arguments.table.parent)
+    ]
     files |= eigen_files(arguments, include)
     files["sources/buildDescription.xml"] = build_description(names)
     return files, names

@@ -45,7 +45,9 @@ def run(path: Path, root: ET.Element) -> list[Row]:
     library.fmi3InstantiateCoSimulation.restype = ctypes.c_void_p
     token = root.attrib["instantiationToken"].encode()
     instance = ctypes.c_void_p(
-        library.fmi3InstantiateCoSimulation(b"reference", token, None, *[False] * 4, None, ctypes.c_size_t(0), *[None] * 3)
+        library.fmi3InstantiateCoSimulation(
+            b"reference", token, None, *[False] * 4, None, ctypes.c_size_t(0), *[None] * 3
+        )
     )
     if not instance:
         raise RuntimeError("fmi3InstantiateCoSimulation: no instance")
@@ -104,11 +106,15 @@ def picture_svg(rows: list[Row]) -> str:
     """The reach from the front and from the side, and the arm angles over time."""
     parts = stick_figures(rows, 1, 0, "front view: x, z") + stick_figures(rows, 2, 280, "side view: y, z")
     end, low, high = rows[-1]["time"], -2.0, 2.5
-    for k, (name, colour) in enumerate(zip(("theta", "eta", "zeta", "phi"), ("#00695c", "#ef6c00", "#5e35b1", "#546e7a"), strict=True)):
+    for k, (name, colour) in enumerate(
+        zip(("theta", "eta", "zeta", "phi"), ("#00695c", "#ef6c00", "#5e35b1", "#546e7a"), strict=True)
+    ):
         curve = [(600 + 260 * r["time"] / end, 290 - 250 * (r[f"q[{k + 1}]"] - low) / (high - low)) for r in rows]
         parts.append(polyline(curve, colour, 1.8))
         parts.append(f'<text x="{610 + 62 * k}" y="40" font-size="13" fill="{colour}">{name}</text>')
     parts.append('<path d="M600 40 V290 H860" fill="none" stroke="#999"/>')
     parts.append(f'<text x="600" y="20" font-size="13">angles, {low:g} .. {high:g} rad, over {end:g} s</text>')
     body = "\n  ".join(parts)
-    return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 880 310" font-family="sans-serif">\n  {body}\n</svg>\n'
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 880 310" font-family="sans-serif">\n  {body}\n</svg>\n'
+    )

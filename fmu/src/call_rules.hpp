@@ -10,16 +10,29 @@ enum class Phase : std::uint8_t { Instantiated = 0, Initialization = 1, Step = 2
 
 /// Calls with a rule of their own; functions of both standards that mean the same share one.
 enum class Call : std::uint8_t {
-  SetDebugLogging, SetUp, EnterInitialization, ExitInitialization, Terminate, Reset, Get, Set, State, DoStep,
-  OutputDerivatives, StepStatus, Unsupported,
+  SetDebugLogging,
+  SetUp,
+  EnterInitialization,
+  ExitInitialization,
+  Terminate,
+  Reset,
+  Get,
+  Set,
+  State,
+  DoStep,
+  OutputDerivatives,
+  StepStatus,
+  Unsupported,
 };
 
 struct CallRule {
   Call call;
-  std::uint8_t phases;   ///< bit set of the phases in which the call is allowed
+  std::uint8_t phases;  ///< bit set of the phases in which the call is allowed
 };
 
-constexpr std::uint8_t phase_bit(Phase phase) noexcept { return static_cast<std::uint8_t>(1U << static_cast<unsigned>(phase)); }
+constexpr std::uint8_t phase_bit(Phase phase) noexcept {
+  return static_cast<std::uint8_t>(1U << static_cast<unsigned>(phase));
+}
 
 /// FMI 2.0.5 section 4.2.4 and FMI 3.0.2 section 2.2.2, opened where importers are known to be looser and nothing can go
 /// wrong: values may be set and read before initialization, and an instance may be terminated before its first step.
@@ -53,11 +66,13 @@ constexpr const char* to_string(Phase phase) noexcept {
   return names[static_cast<std::size_t>(phase)];
 }
 
-static_assert([] {
-  for (std::size_t k = 0; k < kCallRules.size(); ++k) {
-    if (static_cast<std::size_t>(kCallRules[k].call) != k) return false;
-  }
-  return true;
-}(), "the rules are listed in the order of Call");
+static_assert(
+    [] {
+      for (std::size_t k = 0; k < kCallRules.size(); ++k) {
+        if (static_cast<std::size_t>(kCallRules[k].call) != k) return false;
+      }
+      return true;
+    }(),
+    "the rules are listed in the order of Call");
 
 }  // namespace glenoid::fmu

@@ -11,13 +11,13 @@
 namespace {
 
 using glenoid::fmu::Call;
+using glenoid::fmu::guard;
 using glenoid::fmu::Instance;
 using glenoid::fmu::Kind;
 using glenoid::fmu::Log;
 using glenoid::fmu::LogSink;
 using glenoid::fmu::Outcome;
 using glenoid::fmu::Snapshot;
-using glenoid::fmu::guard;
 
 fmi2Status to_fmi2(Outcome outcome) noexcept { return static_cast<fmi2Status>(outcome); }
 
@@ -83,14 +83,14 @@ const char* fmi2GetTypesPlatform() { return fmi2TypesPlatform; }
 const char* fmi2GetVersion() { return fmi2Version; }
 
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
-  return call(c, __func__, Call::SetDebugLogging, [&](Instance& i) { return i.log().select(on != fmi2False, n, categories); });
+  return call(c, __func__, Call::SetDebugLogging,
+              [&](Instance& i) { return i.log().select(on != fmi2False, n, categories); });
 }
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String,
                               const fmi2CallbackFunctions* functions, fmi2Boolean, fmi2Boolean logging) {
-  return glenoid::fmu::instantiate(
-      __func__, guid, type == fmi2CoSimulation, logging != fmi2False,
-      [&] { return std::make_unique<Fmi2Log>(functions, name); });
+  return glenoid::fmu::instantiate(__func__, guid, type == fmi2CoSimulation, logging != fmi2False,
+                                   [&] { return std::make_unique<Fmi2Log>(functions, name); });
 }
 
 void fmi2FreeInstance(fmi2Component c) { delete static_cast<Instance*>(c); }
@@ -170,8 +170,8 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
                                        const fmi2Real[]) {
   return unsupported(c, __func__);
 }
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
-                                        fmi2Real value[]) {
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n,
+                                        const fmi2Integer order[], fmi2Real value[]) {
   return call(c, __func__, Call::OutputDerivatives,
               [&, f = __func__](Instance& i) { return i.output_derivatives(f, vr, n, order, value); });
 }

@@ -9,11 +9,11 @@
 namespace {
 
 using glenoid::fmu::Call;
+using glenoid::fmu::guard;
 using glenoid::fmu::Instance;
 using glenoid::fmu::Kind;
 using glenoid::fmu::LogSink;
 using glenoid::fmu::Outcome;
-using glenoid::fmu::guard;
 
 using References = const fmi3ValueReference*;
 
@@ -26,7 +26,8 @@ bool is_absent(Kind) noexcept { return false; }
 
 class Fmi3Log final : public LogSink {
  public:
-  Fmi3Log(fmi3LogMessageCallback logger, fmi3InstanceEnvironment environment) : logger_(logger), environment_(environment) {}
+  Fmi3Log(fmi3LogMessageCallback logger, fmi3InstanceEnvironment environment)
+      : logger_(logger), environment_(environment) {}
 
   void write(Outcome outcome, const char* category, const char* message) const override {
     if (logger_ != nullptr) logger_(environment_, to_fmi3(outcome), category, message);
@@ -46,7 +47,8 @@ template <class Number>
 fmi3Status get(fmi3Instance instance, const char* function, bool (*fits)(Kind), References references, size_t count,
                Number values[], size_t value_count) noexcept {
   return call(instance, function, Call::Get, [&](Instance& i) {
-    if (value_count != count) return i.refuse(function, "nValues must equal nValueReferences: all variables are scalars");
+    if (value_count != count)
+      return i.refuse(function, "nValues must equal nValueReferences: all variables are scalars");
     return i.get(function, fits, references, count, values);
   });
 }
@@ -55,7 +57,8 @@ template <class Number>
 fmi3Status set(fmi3Instance instance, const char* function, bool (*fits)(Kind), References references, size_t count,
                const Number values[], size_t value_count) noexcept {
   return call(instance, function, Call::Set, [&](Instance& i) {
-    if (value_count != count) return i.refuse(function, "nValues must equal nValueReferences: all variables are scalars");
+    if (value_count != count)
+      return i.refuse(function, "nValues must equal nValueReferences: all variables are scalars");
     return i.set(function, fits, references, count, values);
   });
 }
@@ -83,7 +86,8 @@ extern "C" {
 const char* fmi3GetVersion() { return fmi3Version; }
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t count, const fmi3String categories[]) {
-  return call(instance, __func__, Call::SetDebugLogging, [&](Instance& i) { return i.log().select(on, count, categories); });
+  return call(instance, __func__, Call::SetDebugLogging,
+              [&](Instance& i) { return i.log().select(on, count, categories); });
 }
 
 // Creation, life cycle
@@ -99,10 +103,10 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String token, fmi3Strin
   return glenoid::fmu::instantiate(__func__, token, true, logging,
                                    [&] { return std::make_unique<Fmi3Log>(logger, environment); });
 }
-fmi3Instance fmi3InstantiateScheduledExecution(fmi3String, fmi3String token, fmi3String, fmi3Boolean, fmi3Boolean logging,
-                                               fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger,
-                                               fmi3ClockUpdateCallback, fmi3LockPreemptionCallback,
-                                               fmi3UnlockPreemptionCallback) {
+fmi3Instance fmi3InstantiateScheduledExecution(fmi3String, fmi3String token, fmi3String, fmi3Boolean,
+                                               fmi3Boolean logging, fmi3InstanceEnvironment environment,
+                                               fmi3LogMessageCallback logger, fmi3ClockUpdateCallback,
+                                               fmi3LockPreemptionCallback, fmi3UnlockPreemptionCallback) {
   return no_instance(__func__, token, logging, environment, logger);
 }
 
@@ -116,7 +120,8 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean, fmi3F
   });
 }
 fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
-  return call(instance, __func__, Call::ExitInitialization, [f = __func__](Instance& i) { return i.exit_initialization(f); });
+  return call(instance, __func__, Call::ExitInitialization,
+              [f = __func__](Instance& i) { return i.exit_initialization(f); });
 }
 fmi3Status fmi3Terminate(fmi3Instance instance) {
   return call(instance, __func__, Call::Terminate, [](Instance& i) { return i.terminate(); });
@@ -135,32 +140,32 @@ fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference refere
                           fmi3Float64 values[], size_t value_count) {
   return get(instance, __func__, is_float64, references, count, values, value_count);
 }
-fmi3Status fmi3GetInt8(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
-                       fmi3Int8 values[], size_t value_count) {
+fmi3Status fmi3GetInt8(fmi3Instance instance, const fmi3ValueReference references[], size_t count, fmi3Int8 values[],
+                       size_t value_count) {
   return get(instance, __func__, is_absent, references, count, values, value_count);
 }
-fmi3Status fmi3GetUInt8(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
-                        fmi3UInt8 values[], size_t value_count) {
+fmi3Status fmi3GetUInt8(fmi3Instance instance, const fmi3ValueReference references[], size_t count, fmi3UInt8 values[],
+                        size_t value_count) {
   return get(instance, __func__, is_absent, references, count, values, value_count);
 }
-fmi3Status fmi3GetInt16(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
-                        fmi3Int16 values[], size_t value_count) {
+fmi3Status fmi3GetInt16(fmi3Instance instance, const fmi3ValueReference references[], size_t count, fmi3Int16 values[],
+                        size_t value_count) {
   return get(instance, __func__, is_absent, references, count, values, value_count);
 }
 fmi3Status fmi3GetUInt16(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                          fmi3UInt16 values[], size_t value_count) {
   return get(instance, __func__, is_absent, references, count, values, value_count);
 }
-fmi3Status fmi3GetInt32(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
-                        fmi3Int32 values[], size_t value_count) {
+fmi3Status fmi3GetInt32(fmi3Instance instance, const fmi3ValueReference references[], size_t count, fmi3Int32 values[],
+                        size_t value_count) {
   return get(instance, __func__, is_enumeration, references, count, values, value_count);
 }
 fmi3Status fmi3GetUInt32(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                          fmi3UInt32 values[], size_t value_count) {
   return get(instance, __func__, is_absent, references, count, values, value_count);
 }
-fmi3Status fmi3GetInt64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
-                        fmi3Int64 values[], size_t value_count) {
+fmi3Status fmi3GetInt64(fmi3Instance instance, const fmi3ValueReference references[], size_t count, fmi3Int64 values[],
+                        size_t value_count) {
   return get(instance, __func__, is_enumeration, references, count, values, value_count);
 }
 fmi3Status fmi3GetUInt64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
@@ -292,16 +297,18 @@ fmi3Status fmi3EnterEventMode(fmi3Instance instance) { return unsupported(instan
 fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance, fmi3ValueReference, size_t*) {
   return unsupported(instance, __func__);
 }
-fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference, size_t[], fmi3ValueReference[], size_t[],
-                                       fmi3DependencyKind[], size_t) {
+fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference, size_t[], fmi3ValueReference[],
+                                       size_t[], fmi3DependencyKind[], size_t) {
   return unsupported(instance, __func__);
 }
-fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference[], size_t, const
-                                        fmi3ValueReference[], size_t, const fmi3Float64[], size_t, fmi3Float64[], size_t) {
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference[], size_t,
+                                        const fmi3ValueReference[], size_t, const fmi3Float64[], size_t, fmi3Float64[],
+                                        size_t) {
   return unsupported(instance, __func__);
 }
-fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference[], size_t, const fmi3ValueReference[],
-                                    size_t, const fmi3Float64[], size_t, fmi3Float64[], size_t) {
+fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference[], size_t,
+                                    const fmi3ValueReference[], size_t, const fmi3Float64[], size_t, fmi3Float64[],
+                                    size_t) {
   return unsupported(instance, __func__);
 }
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance) { return unsupported(instance, __func__); }
@@ -310,8 +317,8 @@ fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance, const fmi3ValueReferenc
                                   fmi3IntervalQualifier[]) {
   return unsupported(instance, __func__);
 }
-fmi3Status fmi3GetIntervalFraction(fmi3Instance instance, const fmi3ValueReference[], size_t, fmi3UInt64[], fmi3UInt64[],
-                                   fmi3IntervalQualifier[]) {
+fmi3Status fmi3GetIntervalFraction(fmi3Instance instance, const fmi3ValueReference[], size_t, fmi3UInt64[],
+                                   fmi3UInt64[], fmi3IntervalQualifier[]) {
   return unsupported(instance, __func__);
 }
 fmi3Status fmi3GetShiftDecimal(fmi3Instance instance, const fmi3ValueReference[], size_t, fmi3Float64[]) {
@@ -323,15 +330,15 @@ fmi3Status fmi3GetShiftFraction(fmi3Instance instance, const fmi3ValueReference[
 fmi3Status fmi3SetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference[], size_t, const fmi3Float64[]) {
   return unsupported(instance, __func__);
 }
-fmi3Status fmi3SetIntervalFraction(fmi3Instance instance, const fmi3ValueReference[], size_t, const fmi3UInt64[], const
-                                   fmi3UInt64[]) {
+fmi3Status fmi3SetIntervalFraction(fmi3Instance instance, const fmi3ValueReference[], size_t, const fmi3UInt64[],
+                                   const fmi3UInt64[]) {
   return unsupported(instance, __func__);
 }
 fmi3Status fmi3SetShiftDecimal(fmi3Instance instance, const fmi3ValueReference[], size_t, const fmi3Float64[]) {
   return unsupported(instance, __func__);
 }
-fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference[], size_t, const fmi3UInt64[], const
-                                fmi3UInt64[]) {
+fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference[], size_t, const fmi3UInt64[],
+                                const fmi3UInt64[]) {
   return unsupported(instance, __func__);
 }
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance) { return unsupported(instance, __func__); }
@@ -350,8 +357,12 @@ fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64[], s
 fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64[], size_t) {
   return unsupported(instance, __func__);
 }
-fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64[], size_t) { return unsupported(instance, __func__); }
-fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64[], size_t) { return unsupported(instance, __func__); }
+fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64[], size_t) {
+  return unsupported(instance, __func__);
+}
+fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64[], size_t) {
+  return unsupported(instance, __func__);
+}
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64[], size_t) {
   return unsupported(instance, __func__);
 }

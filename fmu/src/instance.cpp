@@ -112,7 +112,8 @@ void Instance::assign(std::uint32_t reference, double value) {
 }
 
 std::string Instance::build() {
-  const bool same_duration = state_.phase == Phase::Step || built_from_[kMotionDuration] == state_.values[kMotionDuration];
+  const bool same_duration = state_.phase == Phase::Step ||
+                             built_from_[kMotionDuration] == state_.values[kMotionDuration];
   if (generator_.has_value() && same_duration && built_start_s_ == state_.start_time_s &&
       same_fixed_parameters(built_from_, state_.values)) {
     return {};
@@ -201,7 +202,8 @@ Outcome Instance::do_step(const char* function, double time_s, double step_s) {
     return refuse(function, text.c_str());
   }
   const double from_s = std::max(time_s, state_.time_s);
-  if (generator_->command(from_s, command_from(state_.values)) != Status::Ok) return fail(function, "inputs not finite");
+  if (generator_->command(from_s, command_from(state_.values)) != Status::Ok)
+    return fail(function, "inputs not finite");
   if (std::exchange(state_.inputs_changed, false) && log_.on()) report_command(function, from_s);
   sample_at(end_s);
   return outputs_fresh_ ? Outcome::Ok : fail(function, "the motion cannot be evaluated");
@@ -216,23 +218,27 @@ void Instance::report_command(const char* function, double time_s) const {
   }
   if (generator_->state().moving == 0 || generator_->state().move_time_s != time_s) return;
   const Certificate& certificate = generator_->certificate();
-  text << "movement accepted, energy " << generator_->path().energy << " kg.m2, " << certificate.iterations << " iterations";
+  text << "movement accepted, energy " << generator_->path().energy << " kg.m2, " << certificate.iterations
+       << " iterations";
   log_.write(Outcome::Ok, text.c_str());
   if (!certificate.limits.any) return;
   constexpr const char* kAngles[] = {"theta", "eta", "eta + zeta", "phi"};
   Text warning;
-  warning << function << ": t = " << time_s << " s: the path leaves the " << (certificate.limits.worst.at_upper ? "upper" : "lower")
-          << " limit of " << kAngles[certificate.limits.worst.angle] << " by " << -certificate.limits.worst.margin_rad
+  warning << function << ": t = " << time_s << " s: the path leaves the "
+          << (certificate.limits.worst.at_upper ? "upper" : "lower") << " limit of "
+          << kAngles[certificate.limits.worst.angle] << " by " << -certificate.limits.worst.margin_rad
           << " rad at progress " << certificate.limits.lambda;
   log_.write(Outcome::Warning, warning.c_str());
 }
 
 Outcome Instance::output_derivatives(const char* function, const std::uint32_t* references, std::size_t count,
                                      const int* orders, double* values) {
-  if (count > 0 && (references == nullptr || orders == nullptr || values == nullptr)) return refuse(function, "null pointer");
+  if (count > 0 && (references == nullptr || orders == nullptr || values == nullptr))
+    return refuse(function, "null pointer");
   for (std::size_t i = 0; i < count; ++i) {
     double current = 0.0;  // refuses unknown references and samples in initialization
-    const Outcome outcome = read(function, [](Kind kind) { return kind == Kind::Real; }, references[i], current);
+    const Outcome outcome = read(
+        function, [](Kind kind) { return kind == Kind::Real; }, references[i], current);
     if (outcome != Outcome::Ok) return outcome;
     if (!output_derivative(sample_, index_of(references[i]), orders[i], values[i])) {
       Text text;
@@ -259,8 +265,10 @@ Outcome Instance::restore(const char* function, const Snapshot& snapshot) {
     return fail(function, "the state does not belong to this FMU");
   }
   outputs_fresh_ = false;
-  if (snapshot.has_motion) sample_at(snapshot.time_s);
-  else generator_.reset();
+  if (snapshot.has_motion)
+    sample_at(snapshot.time_s);
+  else
+    generator_.reset();
   return Outcome::Ok;
 }
 

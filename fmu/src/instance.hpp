@@ -24,7 +24,8 @@ class Instance {
  public:
   /// Read of variables that the importer names; `values` is filled only for Ok.
   template <class Number>
-  Outcome get(const char* function, bool (*fits)(Kind), const std::uint32_t* references, std::size_t count, Number* values);
+  Outcome get(const char* function, bool (*fits)(Kind), const std::uint32_t* references, std::size_t count,
+              Number* values);
   /// All or nothing: with one bad value no value is taken.
   template <class Number>
   Outcome set(const char* function, bool (*fits)(Kind), const std::uint32_t* references, std::size_t count,
@@ -43,8 +44,8 @@ class Instance {
   /// Takes the inputs at time_s and moves to time_s + step_s. No heap. @return Discard for a step that cannot be done,
   /// Error beyond the stop time.
   Outcome do_step(const char* function, double time_s, double step_s);
-  Outcome output_derivatives(const char* function, const std::uint32_t* references, std::size_t count, const int* orders,
-                             double* values);
+  Outcome output_derivatives(const char* function, const std::uint32_t* references, std::size_t count,
+                             const int* orders, double* values);
 
   void save(Snapshot& out) const noexcept;
   Outcome restore(const char* function, const Snapshot& snapshot);
@@ -69,11 +70,11 @@ class Instance {
   void log_lines(Outcome outcome, const char* function, const std::string& lines) const;
 
   Log log_;
-  Snapshot state_{};                        ///< without `motion`, which lives in the generator
+  Snapshot state_{};  ///< without `motion`, which lives in the generator
   std::optional<MotionGenerator> generator_;
-  Values built_from_{};                     ///< values of which generator_ was built
+  Values built_from_{};  ///< values of which generator_ was built
   double built_start_s_ = 0.0;
-  bool outputs_fresh_ = false;              ///< the outputs in state_.values belong to the parameters and the time
+  bool outputs_fresh_ = false;  ///< the outputs in state_.values belong to the parameters and the time
   MotionSample sample_;
 };
 
@@ -109,8 +110,10 @@ Outcome guard(void* handle, const char* function, Call call, Body&& body) noexce
   try {
     if (!allowed(call, instance.phase())) {
       Text text;
-      if (call == Call::Unsupported) text << "this FMU does not offer it (see its modelDescription.xml)";
-      else text << "not allowed in state " << to_string(instance.phase());
+      if (call == Call::Unsupported)
+        text << "this FMU does not offer it (see its modelDescription.xml)";
+      else
+        text << "not allowed in state " << to_string(instance.phase());
       return instance.fail(function, text.c_str());
     }
     return std::forward<Body>(body)(instance);

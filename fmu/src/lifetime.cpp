@@ -47,7 +47,8 @@ Outcome write_state(const Instance& instance, const char* function, const void* 
   return Outcome::Ok;
 }
 
-Outcome read_state(Instance& instance, const char* function, const unsigned char* bytes, std::size_t size, void** state) {
+Outcome read_state(Instance& instance, const char* function, const unsigned char* bytes, std::size_t size,
+                   void** state) {
   if (bytes == nullptr || state == nullptr) return instance.refuse(function, kNull);
   auto snapshot = std::make_unique<Snapshot>();
   if (const char* problem = deserialize(bytes, size, *snapshot); problem != nullptr) {

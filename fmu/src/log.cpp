@@ -7,7 +7,8 @@ namespace glenoid::fmu {
 namespace {
 
 /// LogCategories of modelDescription.xml, indexed by outcome (a test compares them).
-constexpr std::array<const char*, 4> kCategories = {"logEvents", "logStatusWarning", "logStatusDiscard", "logStatusError"};
+constexpr std::array<const char*, 4> kCategories = {"logEvents", "logStatusWarning", "logStatusDiscard",
+                                                    "logStatusError"};
 
 }  // namespace
 

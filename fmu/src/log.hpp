@@ -30,7 +30,7 @@ class Log {
  private:
   std::unique_ptr<LogSink> sink_;
   bool on_ = false;
-  unsigned selected_ = ~0U;   ///< one bit for each outcome
+  unsigned selected_ = ~0U;  ///< one bit for each outcome
 };
 
 }  // namespace glenoid::fmu

@@ -6,6 +6,6 @@ namespace glenoid::fmu {
 ///
 /// Discard: refused, and the instance is exactly as before the call. Error: the instance is over until reset or until a
 /// saved state is restored. Fatal is never used: it would condemn all instances, and there is no global state.
-enum class [[nodiscard]] Outcome : int { Ok = 0, Warning = 1, Discard = 2, Error = 3 };
+enum class [[nodiscard]] Outcome : int{Ok = 0, Warning = 1, Discard = 2, Error = 3};
 
 }  // namespace glenoid::fmu

@@ -7,9 +7,9 @@
 namespace glenoid::fmu {
 namespace {
 
-constexpr char kMagic[] = "GLENOID";              // 8 bytes with the final zero
-constexpr std::uint64_t kFormat = 1;              // raise when the list of fields below changes
-constexpr std::size_t kHeader = 4 * 8;            // magic, format, payload length, checksum
+constexpr char kMagic[] = "GLENOID";    // 8 bytes with the final zero
+constexpr std::uint64_t kFormat = 1;    // raise when the list of fields below changes
+constexpr std::size_t kHeader = 4 * 8;  // magic, format, payload length, checksum
 
 /// FNV-1a, 64 bit.
 std::uint64_t checksum(const unsigned char* bytes, std::size_t size) noexcept {
@@ -32,7 +32,9 @@ std::uint64_t get_word(const unsigned char* bytes) noexcept {
 struct Counter {
   std::size_t words = 0;
   template <class Number>
-  void operator()(Number&) noexcept { ++words; }
+  void operator()(Number&) noexcept {
+    ++words;
+  }
 };
 
 /// Every number takes eight bytes: doubles as their bits, the others as signed whole numbers.
@@ -69,7 +71,9 @@ struct Reader {
     std::memcpy(&value, &word, sizeof value);
   }
   template <class Number>
-  void operator()(Number& value) noexcept { value = static_cast<Number>(static_cast<std::int64_t>(next())); }
+  void operator()(Number& value) noexcept {
+    value = static_cast<Number>(static_cast<std::int64_t>(next()));
+  }
 };
 
 template <class Visitor, class Member>
@@ -113,8 +117,8 @@ void visit_member(Visitor& visit, Member& member) noexcept {
     auto& [any, worst, lambda] = member;
     visit_all(visit, any, worst, lambda);
   } else if constexpr (std::is_same_v<Type, Certificate>) {
-    auto& [step, gradient, positive, tail, variation, hand, transversality, at_limit, angle, long_way, order, iterations,
-           limits] = member;
+    auto& [step, gradient, positive, tail, variation, hand, transversality, at_limit, angle, long_way, order,
+           iterations, limits] = member;
     visit_all(visit, step, gradient, positive, tail, variation, hand, transversality, at_limit, angle, long_way, order,
               iterations, limits);
   } else {
@@ -124,12 +128,12 @@ void visit_member(Visitor& visit, Member& member) noexcept {
 
 template <class Visitor, class Motion>
 void visit_motion(Visitor& visit, Motion& motion) noexcept {
-  auto& [move_time, duration, next_duration, stop_time, stop_duration, fade_duration, fade_share, moving, stopping, rest_status,
-         target_known, refused, hand_timing, target, refused_target, fade_w, fade_dw, fade_dphi, fade_ddphi, guide_q,
-         hand_clock, exo_guide, path, certificate] = motion;
-  visit_all(visit, move_time, duration, next_duration, stop_time, stop_duration, fade_duration, fade_share, moving, stopping,
-            rest_status, target_known, refused, hand_timing, target, refused_target, fade_w, fade_dw, fade_dphi, fade_ddphi,
-            guide_q, hand_clock, exo_guide, path, certificate);
+  auto& [move_time, duration, next_duration, stop_time, stop_duration, fade_duration, fade_share, moving, stopping,
+         rest_status, target_known, refused, hand_timing, target, refused_target, fade_w, fade_dw, fade_dphi,
+         fade_ddphi, guide_q, hand_clock, exo_guide, path, certificate] = motion;
+  visit_all(visit, move_time, duration, next_duration, stop_time, stop_duration, fade_duration, fade_share, moving,
+            stopping, rest_status, target_known, refused, hand_timing, target, refused_target, fade_w, fade_dw,
+            fade_dphi, fade_ddphi, guide_q, hand_clock, exo_guide, path, certificate);
 }
 
 template <class Visitor, class Shot>
@@ -172,7 +176,8 @@ const char* deserialize(const unsigned char* bytes, std::size_t size, Snapshot& 
   if (get_word(bytes + 24) != checksum(bytes + kHeader, length)) return "damaged: the checksum does not match";
   Reader reader{bytes + kHeader, bytes + kHeader + length};
   visit_snapshot(reader, out);
-  const bool in_range = out.phase <= Phase::Terminated && out.motion.path.order >= 0 && out.motion.path.order <= kMaxPathOrder;
+  const bool in_range = out.phase <= Phase::Terminated && out.motion.path.order >= 0 &&
+                        out.motion.path.order <= kMaxPathOrder;
   return reader.good && reader.bytes == reader.end && in_range ? nullptr : "damaged: fields out of range";
 }
 

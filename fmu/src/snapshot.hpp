@@ -13,11 +13,11 @@ namespace glenoid::fmu {
 struct Snapshot {
   Phase phase = Phase::Instantiated;
   bool stop_defined = false;
-  bool has_motion = false;    ///< a generator exists; `motion` is its state
+  bool has_motion = false;  ///< a generator exists; `motion` is its state
   bool inputs_changed = false;
   double start_time_s = 0.0;
   double stop_time_s = 0.0;
-  double time_s = 0.0;        ///< end of the last step
+  double time_s = 0.0;  ///< end of the last step
   Values values = start_values();
   MotionState motion;
 };

@@ -11,15 +11,15 @@ enum class Variability : std::uint8_t { Fixed, Tunable, Discrete, Continuous };
 
 /// One row of the table that is generated from modelDescription.xml.
 struct Variable {
-  std::uint32_t reference;   ///< FMI value reference
+  std::uint32_t reference;  ///< FMI value reference
   Kind kind;
   Causality causality;
   Variability variability;
-  double start;              ///< 0 where the description has none
-  double min;                ///< -infinity where the description has none
+  double start;  ///< 0 where the description has none
+  double min;    ///< -infinity where the description has none
   double max;
   const char* name;
-  const char* unit;          ///< "" for kinds without unit
+  const char* unit;  ///< "" for kinds without unit
 };
 
 }  // namespace glenoid::fmu

@@ -5,8 +5,8 @@
 // has unmapped by then: a crash after a perfect simulation. This file is that destructor.
 
 extern "C" {
-extern void* __dso_handle __attribute__((visibility("hidden")));   // its address identifies this library
-void __cxa_finalize(void* library);                                // Itanium C++ ABI 3.3.6.3
+extern void* __dso_handle __attribute__((visibility("hidden")));  // its address identifies this library
+void __cxa_finalize(void* library);                               // Itanium C++ ABI 3.3.6.3
 }
 
 namespace {

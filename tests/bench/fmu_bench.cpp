@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "fmi3/fmi3PlatformTypes.h"
 #include "fmi3/fmi3FunctionTypes.h"
+#include "fmi3/fmi3PlatformTypes.h"
 #include "variables.hpp"
 
 namespace {
@@ -60,8 +60,8 @@ const Library& library() {
 
 /// An initialized instance at time 0.
 fmi3Instance start() {
-  fmi3Instance instance = library().instantiate("bench", glenoid::fmu::kInstantiationToken, nullptr, false, false, false, false, nullptr, 0,
-                                                nullptr, nullptr, nullptr);
+  fmi3Instance instance = library().instantiate("bench", glenoid::fmu::kInstantiationToken, nullptr, false, false,
+                                                false, false, nullptr, 0, nullptr, nullptr, nullptr);
   if (instance == nullptr || library().enter(instance, false, 0.0, 0.0, false, 0.0) != fmi3OK ||
       library().exit(instance) != fmi3OK) {
     std::fprintf(stderr, "the FMU does not initialize\n");

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
-import fmu_driver  # noqa: E402
+import fmu_driver
 
 
 def pytest_report_header():
@@ -22,7 +22,8 @@ def build_folder():
 @pytest.fixture(scope="session")
 def archives(tmp_path_factory, build_folder):
     return {
-        key: fmu_driver.Archive(build_folder / name, tmp_path_factory.mktemp(f"unpacked {key}")) for key, name in fmu_driver.FILES.items()
+        key: fmu_driver.Archive(build_folder / name, tmp_path_factory.mktemp(f"unpacked {key}"))
+        for key, name in fmu_driver.FILES.items()
     }
 
 

@@ -109,7 +109,9 @@ class Instance:
         if archive.version == 2:
             self._logger = LOGGER2(lambda _e, _n, s, c, m: self._log(s, c, m)) if logger else LOGGER2()
             self._callbacks = Callbacks2(self._logger, None, None, None, None)
-            handle = self.fmi.fmi2Instantiate(b"test", 1, token, resources, ctypes.byref(self._callbacks), 0, int(logging))
+            handle = self.fmi.fmi2Instantiate(
+                b"test", 1, token, resources, ctypes.byref(self._callbacks), 0, int(logging)
+            )
         else:
             self._logger = LOGGER3(lambda _e, s, c, m: self._log(s, c, m)) if logger else LOGGER3()
             flags = [ctypes.c_bool(False), ctypes.c_bool(logging), ctypes.c_bool(False), ctypes.c_bool(False)]
@@ -192,7 +194,11 @@ class Instance:
         return self._access("Set", "real", [first.reference + k for k in range(len(value))], map(float, value))[0]
 
     def get(self, name):
-        names = [name] if name in self.archive.variables else [n for n in self.archive.variables if n.startswith(name + "[")]
+        names = (
+            [name]
+            if name in self.archive.variables
+            else [n for n in self.archive.variables if n.startswith(name + "[")]
+        )
         variables = [self.archive.variables[n] for n in names]
         status, values = self._access("Get", variables[0].kind, [v.reference for v in variables], [0] * len(variables))
         assert status == OK, self.messages
@@ -200,7 +206,7 @@ class Instance:
 
     def outputs(self):
         """Every output, in the order of the description."""
-        return tuple(self.numbers([v for v in self.archive.outputs]))
+        return tuple(self.numbers(list(self.archive.outputs)))
 
     def numbers(self, variables):
         found = {}

@@ -67,7 +67,12 @@ def test_contradictory_parameters_end_initialization_with_a_message(new, case):
 def test_every_problem_is_named(new):
     unit = new()
     assert unit.enter() == OK
-    for name, value in {"limits.lower[2]": 0.5, "limits.upper[2]": -0.5, "limits.lower[3]": 1.5, "limits.upper[3]": 1}.items():
+    for name, value in {
+        "limits.lower[2]": 0.5,
+        "limits.upper[2]": -0.5,
+        "limits.lower[3]": 1.5,
+        "limits.upper[3]": 1,
+    }.items():
         assert unit.set(name, value) == OK
     assert unit.exit() == ERROR
     assert len([m for m in unit.messages if m.category == "logStatusError"]) >= 2

@@ -164,7 +164,10 @@ def test_percent_signs_are_doubled_for_the_variadic_logger_only(archives):
         assert b"token = " + expected in texts[-1]
 
 
-UNSUPPORTED = {2: ["CancelStep"], 3: ["EnterEventMode", "EnterStepMode", "EnterConfigurationMode", "EvaluateDiscreteStates"]}
+UNSUPPORTED = {
+    2: ["CancelStep"],
+    3: ["EnterEventMode", "EnterStepMode", "EnterConfigurationMode", "EvaluateDiscreteStates"],
+}
 
 
 def test_functions_of_other_kinds_of_fmu_are_errors(new, archive):

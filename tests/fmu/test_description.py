@@ -7,9 +7,9 @@ import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
-import fmu_driver
 import fmpy
 import fmpy.validation
+import fmu_driver
 import pytest
 from lxml import etree
 
@@ -43,7 +43,10 @@ def test_fmpy_finds_no_problem(archive):
 
 def test_both_versions_describe_the_same_variables(archives):
     two, three = (
-        [(*v[:-1], v.element.get("displayUnit"), v.element.get("declaredType")) for v in archives[key].variables.values()]
+        [
+            (*v[:-1], v.element.get("displayUnit"), v.element.get("declaredType"))
+            for v in archives[key].variables.values()
+        ]
         for key in ("fmi2", "fmi3")
     )
     assert two == three
@@ -51,7 +54,9 @@ def test_both_versions_describe_the_same_variables(archives):
 
 
 def test_the_packed_description_is_the_hand_kept_one(archives):
-    assert (archives["fmi3"].folder / "modelDescription.xml").read_bytes() == (ROOT / "modelDescription.xml").read_bytes()
+    assert (archives["fmi3"].folder / "modelDescription.xml").read_bytes() == (
+        ROOT / "modelDescription.xml"
+    ).read_bytes()
 
 
 def test_every_real_variable_has_a_defined_unit(archive):
@@ -151,7 +156,9 @@ def test_initial_outputs_depend_on_what_is_declared_and_no_more(archives, name):
 
 
 def test_every_parameter_is_tried_above(archives):
-    parameters = {re.sub(r"\[\d\]$", "", v.name) for v in archives["fmi3"].variables.values() if v.causality == "parameter"}
+    parameters = {
+        re.sub(r"\[\d\]$", "", v.name) for v in archives["fmi3"].variables.values() if v.causality == "parameter"
+    }
     assert parameters == set(OTHER_VALUES)
 
 
@@ -172,7 +179,9 @@ def test_documented_variables_are_those_of_the_description(archives):
     text = (ROOT / "docs/fmu.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"^\| `([^`]+)` \| (\d+)(?: \.\. \d+)? \|", text, re.MULTILINE))
     variables = archives["fmi3"].variables.values()
-    expected = {re.sub(r"\[1\]$", "", v.name): str(v.reference) for v in variables if not re.search(r"\[[2-9]\]$", v.name)}
+    expected = {
+        re.sub(r"\[1\]$", "", v.name): str(v.reference) for v in variables if not re.search(r"\[[2-9]\]$", v.name)
+    }
     assert rows == expected
 
 

@@ -2,8 +2,8 @@
 
 import random
 
-import fmu_driver
 import fmpy
+import fmu_driver
 import numpy as np
 import pytest
 

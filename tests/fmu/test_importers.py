@@ -8,8 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-import fmu_driver
 import fmpy
+import fmu_driver
 import pytest
 
 STEP, STEPS = 0.01, 70  # in the middle of the movement
@@ -84,7 +84,9 @@ def run_script(script, archive):
         str(archive.path), STEP, STEPS, [v.name for v in outputs], [v.reference for v in outputs], archive.version,
         archive.token,
     )  # fmt: skip
-    done = subprocess.run([sys.executable, "-c", script, json.dumps(arguments)], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", script, json.dumps(arguments)], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])
 
@@ -123,7 +125,9 @@ def test_ecos_agrees(archive, expected, tmp_path):
     found = {name: float(last[name]) for name in expected if name in last}
     moment = round(float(last["time"]) / STEP)  # the last row may be one step before the end
     assert moment >= STEPS - 1
-    compare({name: rows[moment] for name, rows in expected.items()}, found, 1e-6)  # six digits after the point are printed
+    compare(
+        {name: rows[moment] for name, rows in expected.items()}, found, 1e-6
+    )  # six digits after the point are printed
 
 
 def test_fmpy_steps_by_hand_agree(archive, expected):
