@@ -72,6 +72,7 @@ def test_every_problem_of_a_file_is_named_at_once(run, tmp_path):
 
 
 def test_yaml_cannot_run_code(run, tmp_path):
-    file = tmp_path / "reach.yaml"
-    file.write_text("target_m: !!python/object/apply:os.getcwd []\n", encoding="utf-8")
+    file, made = tmp_path / "reach.yaml", tmp_path / "made"
+    file.write_text(f"name: !!python/object/apply:os.mkdir [{made}]\n", encoding="utf-8")
     assert run("plan", file).code == 2
+    assert not made.exists()

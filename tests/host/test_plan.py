@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from glenoid.reach import plan_reach, rotation_between, verify
+from glenoid.reach import Verification, plan_reach, rotation_between, verify
 from glenoid.tables import motion_columns, write_csv
 from places import EXAMPLE, ROOT
 
@@ -58,6 +58,21 @@ def test_verification_notices_a_wrong_path(plain_reach, monkeypatch):
     real = module._core.follow_geodesic
     monkeypatch.setattr(module._core, "follow_geodesic", lambda arm, start, rates: real(arm, start, bent(rates)))
     assert not verify(reach).passed
+
+
+@pytest.mark.parametrize(("arrival", "deviation", "passed"), [(0, 0, True), (1e-6, 0, False), (0, 1e-4, False)])
+def test_verification_asks_for_both_arrival_and_way(arrival, deviation, passed):
+    assert Verification(arrival, deviation, 0.0).passed == passed
+
+
+def test_rates_in_the_csv_are_the_derivatives_of_the_angles_beside_them(plain_reach):
+    reach = plan_reach(plain_reach, rate_hz=1000.0)
+    columns = motion_columns(reach.time_s, reach.samples)
+    for name in ("theta", "eta", "zeta", "phi"):
+        for value, rate in ((f"{name}_rad", f"d{name}_rad_per_s"), (f"d{name}_rad_per_s", f"dd{name}_rad_per_s2")):
+            slope = np.gradient(columns[value], columns["time_s"])[1:-1]
+            # Central differences over h = 1 ms: h^2 / 6 times the third derivative, below 1e3 of the largest rate here.
+            assert np.abs(slope - columns[rate][1:-1]).max() <= 1e-6 * 1e3 * np.abs(columns[rate]).max(), rate
 
 
 def bent(rates):
