@@ -15,7 +15,7 @@ mkdir -p "$reports"
 
 stage C++ tests
 ctest --test-dir build -j "${GLENOID_JOBS:-2}" --output-on-failure --output-junit "$reports/ctest.xml" >"$reports/ctest.log" 2>&1 ||
-  { failed=1; grep -vE '^ *[0-9]+/[0-9]+ Test.*Passed' "$reports/ctest.log"; }
+  { failed=1; grep -vE '^ +Start|Test .*Passed' "$reports/ctest.log"; }
 tail -n 3 "$reports/ctest.log"
 
 stage Python tests
