@@ -39,14 +39,15 @@ void bind_settings(nb::module_& module) {
       .def_rw("timing", &MotionSettings::timing)
       .def_rw("limits", &MotionSettings::limits)
       .def_rw("start_q_rad", &MotionSettings::start_q)
-      .def_rw("shoulder_start_m", &MotionSettings::shoulder_start_m, nb::arg().none());
+      .def_rw("shoulder_start_m", &MotionSettings::shoulder_start_m, nb::arg().none())
+      .def_rw("exo", &MotionSettings::exo);
 }
 
 /// Columns of a sampled motion, n rows each.
 struct Samples {
   explicit Samples(Eigen::Index n)
       : q(n, 4), dq(n, 4), ddq(n, 4), shoulder(n, 3), elbow(n, 3), wrist(n, 3), girdle(n, 3), swivel(n), progress(n),
-        energy(n), misalignment(n), status(n) {}
+        energy(n), misalignment(n), exo_q(n, 6), exo_dq(n, 6), exo_ddq(n, 6), exo_residual(n), status(n) {}
 
   void set(Eigen::Index i, const MotionSample& sample) {
     q.row(i) = sample.q;
@@ -60,6 +61,10 @@ struct Samples {
     progress[i] = sample.progress;
     energy[i] = sample.energy;
     misalignment[i] = sample.misalignment;
+    exo_q.row(i) = sample.exo_q;
+    exo_dq.row(i) = sample.exo_dq;
+    exo_ddq.row(i) = sample.exo_ddq;
+    exo_residual[i] = sample.exo_residual;
     status[i] = static_cast<int>(sample.status);
   }
 
@@ -76,6 +81,10 @@ struct Samples {
     out["progress"] = progress;
     out["energy_kg_m2"] = energy;
     out["misalignment_m"] = misalignment;
+    out["exo_q_rad"] = exo_q;
+    out["exo_dq_rad_per_s"] = exo_dq;
+    out["exo_ddq_rad_per_s2"] = exo_ddq;
+    out["exo_residual_m"] = exo_residual;
     out["status"] = status;
     return out;
   }
@@ -83,6 +92,8 @@ struct Samples {
   Rows<4> q, dq, ddq;
   Rows<3> shoulder, elbow, wrist, girdle;
   Column swivel, progress, energy, misalignment;
+  Rows<6> exo_q, exo_dq, exo_ddq;
+  Column exo_residual;
   Eigen::VectorXi status;
 };
 
@@ -128,7 +139,8 @@ void bind_motion(nb::module_& module) {
            "Takes the inputs that hold from time_s on. ValueError if one is not finite; nothing changes then.")
       .def("sample", &sample_motion, "time_s"_a,
            "Arrays with a row per time: q_rad, dq_rad_per_s, ddq_rad_per_s2, shoulder_m, elbow_m, wrist_m, girdle, "
-           "swivel_rad, progress, energy_kg_m2, misalignment_m, status.",
+           "swivel_rad, progress, energy_kg_m2, misalignment_m, exo_q_rad, exo_dq_rad_per_s, exo_ddq_rad_per_s2, "
+           "exo_residual_m, status.",
            nb::sig("def sample(self, time_s: NDArray[numpy.float64]) -> dict[str, NDArray[numpy.float64]]"))
       .def("set_duration", &set_duration, "duration_s"_a, "Duration of the movements accepted from now on, 0.05..60 s.")
       .def_prop_ro("message", &MotionGenerator::message)

@@ -32,6 +32,7 @@ inline Eigen::Matrix<double, 1, 9> flat_rotation(const Mat3& R) {
 
 void bind_model(nb::module_& module);     ///< subject, rhythm, limits, kinematics, metric
 void bind_planner(nb::module_& module);   ///< paths, planner, initial-value problem
+void bind_exo(nb::module_& module);      ///< the device's joints
 void bind_motion(nb::module_& module);    ///< the generator in time
 
 }  // namespace glenoid::python

@@ -17,5 +17,6 @@ NB_MODULE(_core, module) {
       .value("NotAvailable", Status::NotAvailable);
   glenoid::python::bind_model(module);
   glenoid::python::bind_planner(module);
+  glenoid::python::bind_exo(module);
   glenoid::python::bind_motion(module);
 }
