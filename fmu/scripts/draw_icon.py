@@ -31,7 +31,8 @@ def distance(x: float, y: float, shape: tuple[float, float, float, float, float,
 
 def pixel(x: float, y: float) -> bytes:
     """RGBA of one pixel, edges smoothed over one pixel."""
-    colour, alpha = (255.0, 255.0, 255.0), 0.0
+    colour: tuple[float, ...] = (255.0, 255.0, 255.0)
+    alpha = 0.0
     for shape in SHAPES:
         cover = min(1.0, max(0.0, 0.5 - distance(x, y, shape)))
         if cover > 0:
