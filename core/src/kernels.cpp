@@ -1,6 +1,9 @@
 #include "kernels.hpp"
 
+#include <array>
 #include <cmath>
+
+#include "glenoid/path.hpp"
 
 namespace glenoid {
 namespace {
@@ -9,6 +12,10 @@ using V4 [[gnu::vector_size(32)]] = double;
 
 [[gnu::always_inline]] inline const V4& lanes(const double* p) { return *reinterpret_cast<const V4*>(p); }
 [[gnu::always_inline]] inline V4& lanes(double* p) { return *reinterpret_cast<V4*>(p); }
+
+/// Lanes at any address of a double.
+using LooseV4 [[gnu::vector_size(32), gnu::aligned(8)]] = double;
+[[gnu::always_inline]] inline const LooseV4& loose(const double* p) { return *reinterpret_cast<const LooseV4*>(p); }
 
 /// T -= A B^T summed over `count` consecutive tiles of two rows.
 [[gnu::always_inline]] inline void subtract_products(Tile& T, const Tile* A, const Tile* B, int count) {
@@ -56,6 +63,17 @@ using V4 [[gnu::vector_size(32)]] = double;
     lanes(T.c[j]) = t * inverse[j];
   }
 }
+
+/// P_(n+1) = a x P_n - b P_(n-1)
+struct Recurrence {
+  double a, b;
+};
+constexpr auto kRecurrence = [] {
+  std::array<Recurrence, kMaxPathOrder + 1> table{};
+  for (int n = 0; n <= kMaxPathOrder; ++n)
+    table[static_cast<std::size_t>(n)] = {(2.0 * n + 1.0) / (n + 1.0), n / (n + 1.0)};
+  return table;
+}();
 
 }  // namespace
 
@@ -121,6 +139,28 @@ void apply_stiffness(const double* S, const double (*momentum)[kPadded], int cou
     lanes(out[k] + 12) = f3;
     lanes(out[k] + 16) = f4;
   }
+}
+
+GLENOID_CPU_CLONES
+void legendre_series(const double* c, int order, double x, double (*out)[8]) noexcept {
+  V4 v0 = loose(c), v1 = loose(c + 4), d0{}, d1{}, s0{}, s1{};
+  double p = 1.0, dp = 0.0, sp = 0.0;  // P_(n-1) and derivatives
+  double q = x, dq = 1.0, sq = 0.0;    // P_n
+  for (int n = 1; n <= order; ++n) {
+    const V4 c0 = loose(c + 8 * n), c1 = loose(c + 8 * n + 4);
+    v0 += c0 * q, v1 += c1 * q;
+    d0 += c0 * dq, d1 += c1 * dq;
+    s0 += c0 * sq, s1 += c1 * sq;
+    const Recurrence& r = kRecurrence[static_cast<std::size_t>(n)];
+    const double next = r.a * x * q - r.b * p;
+    const double dnext = dp + (2.0 * n + 1.0) * q;  // P'_(n+1) = P'_(n-1) + (2n+1) P_n
+    const double snext = sp + (2.0 * n + 1.0) * dq;
+    p = q, dp = dq, sp = sq;
+    q = next, dq = dnext, sq = snext;
+  }
+  lanes(out[0]) = v0, lanes(out[0] + 4) = v1;
+  lanes(out[1]) = d0, lanes(out[1] + 4) = d1;
+  lanes(out[2]) = s0, lanes(out[2] + 4) = s1;
 }
 
 GLENOID_CPU_CLONES

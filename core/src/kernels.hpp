@@ -31,6 +31,10 @@ void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* 
 /// out[k] = sum_j S[k, j] momentum[j] for k, j < count.
 void apply_stiffness(const double* S, const double (*momentum)[kPadded], int count, double (*out)[kPadded]) noexcept;
 
+/// Value, first and second derivative with respect to x of eight Legendre series of degree `order` at x in [-1, 1];
+/// coefficients of degree n at [8 n]; out[0..2] 32-byte aligned.
+void legendre_series(const double* coefficients, int order, double x, double (*out)[8]) noexcept;
+
 /// Factors A = L L^T in place. @return false if A is not positive definite (the content is then undefined).
 bool tiled_cholesky(Tile* A, int tiles) noexcept;
 

@@ -6,21 +6,11 @@
 #include <Eigen/Geometry>
 
 #include "glenoid/kinematics.hpp"
+#include "kernels.hpp"
 #include "lobatto.hpp"
 
 namespace glenoid {
 namespace {
-
-/// P_(n+1) = a x P_n - b P_(n-1)
-struct Recurrence {
-  double a, b;
-};
-constexpr auto kRecurrence = [] {
-  std::array<Recurrence, kMaxPathOrder + 1> table{};
-  for (int n = 0; n <= kMaxPathOrder; ++n)
-    table[static_cast<std::size_t>(n)] = {(2.0 * n + 1.0) / (n + 1.0), n / (n + 1.0)};
-  return table;
-}();
 
 void channels(const Posture& p, double (&f)[8]) {
   for (int r = 0; r < 3; ++r) {
@@ -98,28 +88,9 @@ void finish_path(GeodesicPath& path) noexcept {
 
 void evaluate_path(const GeodesicPath& path, double lambda, PostureJet& out) noexcept {
   const double x = 2.0 * std::clamp(lambda, 0.0, 1.0) - 1.0;
-  alignas(32) double v[8], d[8], dd[8];
-  const auto& c = path.legendre;
-  for (std::size_t i = 0; i < 8; ++i) {
-    v[i] = c[0][i];
-    d[i] = dd[i] = 0.0;
-  }
-  double p0 = 1.0, d0 = 0.0, s0 = 0.0;  // P_(n-1) and derivatives
-  double p1 = x, d1 = 1.0, s1 = 0.0;    // P_n
-  for (int n = 1; n <= path.order; ++n) {
-    const auto& row = c[static_cast<std::size_t>(n)];
-    for (std::size_t i = 0; i < 8; ++i) {
-      v[i] += p1 * row[i];
-      d[i] += d1 * row[i];
-      dd[i] += s1 * row[i];
-    }
-    const double p2 = kRecurrence[static_cast<std::size_t>(n)].a * x * p1 -
-                      kRecurrence[static_cast<std::size_t>(n)].b * p0;
-    const double d2 = d0 + (2.0 * n + 1.0) * p1;  // P'_(n+1) = P'_(n-1) + (2n+1) P_n
-    const double s2 = s0 + (2.0 * n + 1.0) * d1;
-    p0 = p1, d0 = d1, s0 = s1;
-    p1 = p2, d1 = d2, s1 = s2;
-  }
+  alignas(32) double series[3][8];
+  legendre_series(path.legendre[0].data(), path.order, x, series);
+  const auto& [v, d, dd] = series;
   // d/dlambda = 2 d/dx
   out.x = Vec3(v[0], v[1], v[2]);
   out.dx = 2.0 * Vec3(d[0], d[1], d[2]);
