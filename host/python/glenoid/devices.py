@@ -107,7 +107,9 @@ class DeviceInput(Strict):
 
     name: str
     note: str = ""
-    side: Literal["either", "right", "left"] = Field(default="either", description="either: twins, drawn as the right one")
+    side: Literal["either", "right", "left"] = Field(
+        default="either", description="either: twins, drawn as the right one"
+    )
     shoulder: ShoulderInput = ShoulderInput()
     mounts: MountsInput = MountsInput()
     girdle: GirdleInput = GirdleInput()

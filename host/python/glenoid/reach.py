@@ -65,18 +65,19 @@ def target_for_core(reach: ReachInput) -> Array:
     return mirrored_if_left(np.array(reach.target_m), reach.subject)
 
 
-def plan_reach(reach: ReachInput, rate_hz: float = 100.0) -> Reach:
+def plan_reach(reach: ReachInput, rate_hz: float = 100.0, exo: _core.ExoSettings | None = None) -> Reach:
     """Plans a reach and samples it.
 
     Args:
         reach: what to do; SI units and rad.
         rate_hz: samples per second, > 0.
+        exo: the device that must follow; without one, a device that reaches everything.
 
     Raises:
         InputError: the core refuses a setting; the text names variable, value, unit and rule.
 
     """
-    generator = make_generator(reach)
+    generator = make_generator(reach, exo)
     generator.command(0.0, np.array(reach.target_m))
     time_s = np.linspace(0.0, reach.duration_s, max(2, round(reach.duration_s * rate_hz) + 1))
     samples = generator.sample(time_s)

@@ -51,8 +51,8 @@ def core_rhythm(rhythm: RhythmInput) -> _core.RhythmSettings:
     return out
 
 
-def core_motion(reach: ReachInput) -> _core.MotionSettings:
-    """Everything that the generator needs before the first movement."""
+def core_motion(reach: ReachInput, exo: _core.ExoSettings | None = None) -> _core.MotionSettings:
+    """Everything that the generator needs before the first movement; without a device, the core's own default one."""
     settings = _core.MotionSettings()
     settings.subject = core_subject(reach.subject)
     settings.rhythm = core_rhythm(reach.rhythm)
@@ -65,6 +65,8 @@ def core_motion(reach: ReachInput) -> _core.MotionSettings:
     settings.start_q_rad = np.array(reach.start_rad)
     if reach.start_shoulder_m is not None:
         settings.shoulder_start_m = np.array(reach.start_shoulder_m)
+    if exo is not None:
+        settings.exo = exo
     return settings
 
 
@@ -73,9 +75,9 @@ def mirrored_if_left(points_m: np.ndarray, subject: SubjectInput) -> np.ndarray:
     return points_m * np.array([-1.0, 1.0, 1.0]) if subject.arm == "left" else points_m
 
 
-def make_generator(reach: ReachInput) -> _core.MotionGenerator:
+def make_generator(reach: ReachInput, exo: _core.ExoSettings | None = None) -> _core.MotionGenerator:
     """The generator at time 0, at rest in the start posture. InputError with the core's own words if it refuses."""
     try:
-        return _core.MotionGenerator(core_motion(reach), 0.0)
+        return _core.MotionGenerator(core_motion(reach, exo), 0.0)
     except ValueError as error:
         raise InputError(str(error)) from error

@@ -10,17 +10,15 @@ import fmpy
 import numpy as np
 
 from glenoid import _core
-from glenoid.inputs import InputError, ReachInput
+from glenoid.devices import Device
+from glenoid.exo import core_exo
+from glenoid.inputs import InputError, ReachInput, SubjectInput
+from glenoid.parameters import device_parameters, numbered, subject_lacks, subject_parameters
 from glenoid.reach import Array
 from glenoid.settings import make_generator, mirrored_if_left
 
 RHYTHM_NUMBER = {"Fixed": 1, "SoltaniZarrin2017": 2, "Measured": 3}
 SWIVEL_NUMBER = {"MinimumEnergy": 1, "Prescribed": 2, "HumanPrior": 3}
-SUBJECT_PARAMETERS = {
-    "subject.upperArmLength": "upper_arm_length_m",
-    "subject.forearmLength": "forearm_length_m",
-    "subject.shoulderDistance": "shoulder_distance_m",
-}
 VECTORS = {
     "q_rad": ("q", 4),
     "dq_rad_per_s": ("dq", 4),
@@ -29,6 +27,8 @@ VECTORS = {
     "elbow_m": ("elbow", 3),
     "wrist_m": ("wrist", 3),
     "girdle": ("girdle", 3),
+    "exo_q_rad": ("exo.q", 6),
+    "exo_dq_rad_per_s": ("exo.dq", 6),
 }
 SCALARS = {
     "swivel_rad": "swivel",
@@ -68,33 +68,18 @@ def shoulder_shift(reach: ReachInput) -> Array:
     return np.asarray(np.array(reach.start_shoulder_m) - modelled, dtype=float)
 
 
-def numbered(name: str, values: Any) -> dict[str, float]:
-    """Scalars of a vector variable: name[1], name[2], ..."""
-    return {f"{name}[{k}]": float(value) for k, value in enumerate(values, start=1)}
-
-
 def refuse_what_the_fmu_lacks(reach: ReachInput) -> None:
     """InputError for settings that the FMU has no parameter for."""
-    extra = [
-        name
-        for name, value in reach.subject.model_dump(exclude_none=True).items()
-        if name.endswith(("_mass_kg", "_com_m", "_inertia_kg_m2")) and value is not None
-    ]
-    if extra:
+    if extra := subject_lacks(reach.subject):
         raise InputError(f"subject.{extra[0]}: the FMU has no such parameter; use `glenoid plan`")
     if reach.timing != "MinimumJerkRiemannian":
         raise InputError(f"timing = {reach.timing}: the FMU has MinimumJerkRiemannian only; use `glenoid plan`")
 
 
-def start_values(reach: ReachInput, shift: Array) -> dict[str, Any]:
+def start_values(reach: ReachInput, shift: Array, device: Device | None = None) -> dict[str, Any]:
     """Parameters and inputs of the FMU for a reach."""
     refuse_what_the_fmu_lacks(reach)
-    subject = reach.subject
     values: dict[str, Any] = {
-        "subject.stature": subject.stature_m,
-        "subject.mass": subject.mass_kg,
-        "subject.female": subject.sex == "female",
-        "subject.leftArm": subject.arm == "left",
         "rhythm.model": RHYTHM_NUMBER[reach.rhythm.model],
         "rhythm.gain": reach.rhythm.gain,
         "rhythm.smoothing": reach.rhythm.smoothing_rad,
@@ -103,10 +88,7 @@ def start_values(reach: ReachInput, shift: Array) -> dict[str, Any]:
         "swivel.prescribed": reach.swivel.prescribed_rad,
         "motion.duration": reach.duration_s,
     }
-    lengths = {name: getattr(subject, field) for name, field in SUBJECT_PARAMETERS.items()}
-    values |= {name: length for name, length in lengths.items() if length is not None}
-    lower, upper = subject.limits_deg.as_rad()
-    values |= numbered("limits.lower", lower) | numbered("limits.upper", upper)
+    values |= subject_parameters(reach.subject) | (device_parameters(device) if device is not None else {})
     return values | numbered("start.q", reach.start_rad) | numbered("target", np.array(reach.target_m) - shift)
 
 
@@ -121,7 +103,7 @@ def words_of(message: bytes | str) -> str:
     return message.decode("utf-8", "replace") if isinstance(message, bytes) else str(message)
 
 
-def simulate(reach: ReachInput, fmu: Path, step_s: float, stop_s: float) -> Simulation:
+def simulate(reach: ReachInput, fmu: Path, step_s: float, stop_s: float, device: Device | None = None) -> Simulation:
     """Runs the FMU with constant inputs and reads every step.
 
     Args:
@@ -129,6 +111,7 @@ def simulate(reach: ReachInput, fmu: Path, step_s: float, stop_s: float) -> Simu
         fmu: the archive, FMI 2.0 or 3.0.
         step_s: communication step, s, > 0.
         stop_s: end of the simulation, s.
+        device: the exoskeleton whose joints are wanted.
 
     Raises:
         InputError: a setting that the FMU lacks, or the FMU refused; its messages are in the text.
@@ -144,7 +127,7 @@ def simulate(reach: ReachInput, fmu: Path, step_s: float, stop_s: float) -> Simu
             stop_time=stop_s,
             output_interval=step_s,
             step_size=step_s,
-            start_values=start_values(reach, shift),
+            start_values=start_values(reach, shift, device),
             output=output_names(),
             debug_logging=True,
             logger=lambda *arguments: messages.append(words_of(arguments[-1])),
@@ -159,15 +142,25 @@ def simulate(reach: ReachInput, fmu: Path, step_s: float, stop_s: float) -> Simu
     return Simulation(fmu, version, np.array(result["time"], dtype=float), samples)
 
 
-def difference_from_core(reach: ReachInput, simulation: Simulation) -> float:
-    """Largest difference in q between the FMU and the core with the FMU's own inputs, rad; 0 is expected.
+def fmu_exo(device: Device | None, subject: SubjectInput) -> _core.ExoSettings | None:
+    """The device as far as the FMU has parameters for it."""
+    if device is None:
+        return None
+    known, full = _core.ExoSettings(), core_exo(device, subject)
+    for name in ("axes", "base_rad", "cuff_rad", "girdle_order"):
+        setattr(known, name, getattr(full, name))
+    return known
+
+
+def difference_from_core(reach: ReachInput, simulation: Simulation, device: Device | None = None) -> float:
+    """Largest difference in q and exo.q between the FMU and the core with the FMU's own inputs, rad; 0 is expected.
 
     Up to the last bit: the FMU sees the reach moved by `shoulder_shift`, and so does the core here.
     """
     moved = np.array(reach.target_m) - shoulder_shift(reach)
     target = (float(moved[0]), float(moved[1]), float(moved[2]))
     same = reach.model_copy(update={"start_shoulder_m": None, "target_m": target})
-    generator = make_generator(same)
+    generator = make_generator(same, fmu_exo(device, reach.subject))
     generator.command(0.0, np.array(same.target_m))
     core = generator.sample(simulation.time_s)
-    return float(np.abs(core["q_rad"] - simulation.samples["q_rad"]).max())
+    return max(float(np.abs(core[name] - simulation.samples[name]).max()) for name in ("q_rad", "exo_q_rad"))

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from glenoid import _core
+from glenoid.devices import JOINTS
 from glenoid.findings import ANGLE_NAMES, describe_refusal, warnings_for
 from glenoid.reach import Array, Reach, Verification
 
@@ -29,6 +30,16 @@ def motion_columns(time_s: Array, samples: dict[str, Array]) -> dict[str, Array]
         columns |= {f"{point}_{axis}_m": samples[f"{point}_m"][:, k] for k, axis in enumerate("xyz")}
     columns |= {name: samples[name] for name in SCALARS}
     return columns
+
+
+def device_columns(samples: dict[str, Array]) -> dict[str, Array]:
+    """Columns of the device by name, in the order of exo.q."""
+    columns = {f"exo_{name}_rad": samples["exo_q_rad"][:, k] for k, name in enumerate(JOINTS)}
+    columns |= {f"dexo_{name}_rad_per_s": samples["exo_dq_rad_per_s"][:, k] for k, name in enumerate(JOINTS)}
+    if "exo_ddq_rad_per_s2" in samples:
+        columns |= {f"ddexo_{name}_rad_per_s2": samples["exo_ddq_rad_per_s2"][:, k] for k, name in enumerate(JOINTS)}
+    names = ("exo_residual_m", "exo_margin_rad", "exo_singularity_rad")
+    return columns | {name: samples[name] for name in names if name in samples}
 
 
 def write_csv(columns: dict[str, Array], path: Path) -> None:

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 import typer
 from pydantic import BaseModel
 from rich.console import Console
-from rich.table import Table
 
 from glenoid import _core
 from glenoid.cli import options as opt
+from glenoid.device_report import device_to_json, print_device, print_scaling, scaling_report
+from glenoid.device_schema import device_schema
+from glenoid.devices import device_names, load_device
 from glenoid.fmus import FILES, fmu_folder, sha256
 from glenoid.inputs import InputError, ReachInput, SubjectInput, load_subject
 from glenoid.report import two_columns
-from glenoid.settings import core_subject
 
 SCHEMAS: dict[str, type[BaseModel]] = {"reach": ReachInput, "subject": SubjectInput}
+SchemaName = Literal["reach", "subject", "exoskeleton"]
 
 
 def rhythm_available(name: str) -> bool:
@@ -43,15 +46,6 @@ def swivel_available(name: str) -> bool:
     return True
 
 
-def scaling_report(subject: SubjectInput) -> list[dict[str, Any]]:
-    """Every figure of a person's arm with its source. InputError if the core refuses one."""
-    try:
-        scaled = _core.scale_subject(core_subject(subject))
-    except ValueError as error:
-        raise InputError(f"subject: {error}") from error
-    return [{"name": e.name, "value": e.value, "unit": e.unit, "source": e.source} for e in scaled.report]
-
-
 def gather(subject: SubjectInput) -> dict[str, Any]:
     """Everything that the command tells."""
     folder = fmu_folder()
@@ -67,6 +61,7 @@ def gather(subject: SubjectInput) -> dict[str, Any]:
         "version": _core.version,
         "fmus": fmus,
         "rhythms": {name: rhythm_available(name) for name in ("Fixed", "SoltaniZarrin2017", "Measured")},
+        "exoskeletons": device_names(),
         "swivel_modes": {name: swivel_available(name) for name in ("MinimumEnergy", "Prescribed", "HumanPrior")},
         "subject": {"name": subject.name, "arm": subject.arm, "scaling": scaling_report(subject)},
         "limits_deg": {
@@ -77,18 +72,42 @@ def gather(subject: SubjectInput) -> dict[str, Any]:
 
 def info(
     subject: opt.SubjectFile = None,
-    schema: Annotated[Literal["reach", "subject"] | None, typer.Option(help="Print the JSON schema of a file.")] = None,
+    exo: opt.ExoName = None,
+    schema: Annotated[SchemaName | None, typer.Option(help="Print the JSON schema of a file.")] = None,
+    plot: Annotated[Path | None, typer.Option("--plot", help="With --exo: draw the axes (.png, .svg, .pdf).")] = None,
     as_json: opt.AsJson = False,
 ) -> None:
-    """Show version, FMUs with their hashes, models, and which figure of a subject came from where."""
+    """Show version, FMUs, models, and which figure of a subject, or with --exo of a device, came from where."""
     if schema is not None:
-        print(json.dumps(SCHEMAS[schema].model_json_schema(), indent=2))
+        found = device_schema() if schema == "exoskeleton" else SCHEMAS[schema].model_json_schema()
+        print(json.dumps(found, indent=2))
         return
-    data = gather(load_subject(subject) if subject is not None else SubjectInput())
+    person = load_subject(subject) if subject is not None else SubjectInput()
+    if exo is not None:
+        show_device(exo, person, plot, as_json)
+        return
+    data = gather(person)
     if as_json:
         print(json.dumps(data, allow_nan=False))
     else:
         print_info(Console(), data)
+        print_scaling(Console(), person)
+
+
+def show_device(exo: str, person: SubjectInput, plot: Path | None, as_json: bool) -> None:
+    """One device: figures, coverage of the person's postures, and a picture of its axes."""
+    device = load_device(exo)
+    if plot is not None:
+        from glenoid.device_plot import draw_axes
+
+        try:
+            draw_axes(device, plot)
+        except OSError as error:
+            raise InputError(f"{error.filename}: {error.strerror}") from error
+    if as_json:
+        print(json.dumps(device_to_json(device, person), allow_nan=False))
+    else:
+        print_device(Console(), device, person)
 
 
 def names(available: dict[str, bool]) -> str:
@@ -105,11 +124,7 @@ def print_info(console: Console, data: dict[str, Any]) -> None:
         table.add_row("", f"sha256 {fmu['sha256']}" if fmu["sha256"] else "not built")
     table.add_row("rhythms", names(data["rhythms"]))
     table.add_row("swivel modes", names(data["swivel_modes"]))
+    table.add_row("exoskeletons", ", ".join(data["exoskeletons"]))
     for name, (lower, upper) in data["limits_deg"].items():
         table.add_row(f"limit {name}", f"{lower:g} .. {upper:g} deg")
     console.print(table, highlight=False)
-    scaling = Table("figure", "value", "unit", "source", box=None, pad_edge=False, title_justify="left")
-    for entry in data["subject"]["scaling"]:
-        scaling.add_row(entry["name"], f"{entry['value']:.5g}", entry["unit"], entry["source"])
-    console.print(f"\n[bold]Subject {data['subject']['name']}[/bold] ({data['subject']['arm']} arm)", highlight=False)
-    console.print(scaling, highlight=False)

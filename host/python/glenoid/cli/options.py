@@ -22,13 +22,17 @@ Metric = Annotated[str | None, typer.Option(help="Kinetic energy with movingShou
 Swivel = Annotated[str | None, typer.Option(help="Final posture: MinimumEnergy, Prescribed, HumanPrior.")]
 SwivelRad = Annotated[float | None, typer.Option("--swivel-prescribed-rad", help="Swivel angle of Prescribed, rad.")]
 Timing = Annotated[str | None, typer.Option(help="MinimumJerkRiemannian or MinimumJerkHand.")]
+ExoName = Annotated[str | None, typer.Option("--exo", help="Exoskeleton: NAME of a shipped one, or FILE.yaml.")]
 Limits = Annotated[
     list[str] | None,
     typer.Option("--limits-deg", help="NAME=lower,upper in deg; NAME elevation, plane, axial_rotation, elbow_flexion."),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 CsvFile = Annotated[Path | None, typer.Option("--csv", help="Write the motion as CSV.")]
-PlotFile = Annotated[Path | None, typer.Option("--plot", help="Draw the picture (.png, .svg, .pdf).")]
+PlotFile = Annotated[
+    Path | None,
+    typer.Option("--plot", help="Draw the picture (.png, .svg, .pdf); with --exo a second one, *_exo."),
+]
 
 METRICS = {
     "movingshoulder": "movingShoulder",
