@@ -22,6 +22,7 @@ constexpr double kChordContraction = 0.1;  // a further step must be this much s
 constexpr double kChordTolerance = 0.1;    // of the tolerance of a full step: a further step converges linearly only
 constexpr double kSaddleStep = 1e-6;       // rad; what a step must reach where the Hessian is not positive definite
 constexpr double kLeastDamping = 1e-3;
+constexpr double kHopeless = 2.5;         // times the energy in hand: a first guess beyond it does not become cheaper
 constexpr int kSketchOrder = 12;          // paths of at most this order are not shown to users and need no certificate
 constexpr int kRetryOrder = 24;           // first grid of a second attempt in the short class
 
@@ -140,9 +141,20 @@ struct GeodesicSolver::Workspace {
   GeodesicPath other;            ///< of the class that was tried second
   Vec4 end_momentum = Vec4::Zero();
 
+  double guess_energy(const ArmModel& arm, const Posture& start, const Posture& end, const GeodesicOptions& options);
   Status run(const ArmModel& arm, const Posture& start, const Posture& end, const Vec3* target,
              const GeodesicOptions& options, const GeodesicPath* warm, GeodesicPath& path, Certificate& c);
 };
+
+/// Energy of the path that a cold start begins with, kg.m2.
+double GeodesicSolver::Workspace::guess_energy(const ArmModel& arm, const Posture& start, const Posture& end,
+                                               const GeodesicOptions& options) {
+  discrete.set_order(options.first_order);
+  slerp_guess(discrete, start, end, options.long_way);
+  discrete.set_free_end(nullptr);
+  discrete.evaluate(arm);
+  return discrete.energy();
+}
 
 Status GeodesicSolver::Workspace::run(const ArmModel& arm, const Posture& start, const Posture& end, const Vec3* target,
                                       const GeodesicOptions& options, const GeodesicPath* warm, GeodesicPath& path,
@@ -216,6 +228,7 @@ Status GeodesicSolver::solve_cheapest(const ArmModel& arm, const Posture& start,
   const Vec4 momentum = end_momentum();
   GeodesicOptions round = options;
   round.long_way = !options.long_way;
+  if (status == Status::Ok && !(workspace_->guess_energy(arm, start, end, round) < kHopeless * path.energy)) return status;
   Certificate other;
   const Status second = solve(arm, start, end, round, nullptr, workspace_->other, other);
   if (second == Status::Ok && (status != Status::Ok || workspace_->other.energy < path.energy)) {

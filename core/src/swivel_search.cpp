@@ -13,9 +13,9 @@ namespace glenoid {
 namespace {
 
 constexpr double kCellWidth = 25.0 * kPi / 180.0;   // rad of psi between coarse energies
-constexpr double kRivalCellWidth = 8.0 * kPi / 180.0;   // the same where two geodesics may compete
+constexpr double kRivalCellWidth = 8.0 * kPi / 180.0;   // the same where the rotation is wide and two geodesics may compete
 constexpr double kRival = 0.02;                      // relative energy within which a second candidate is examined
-constexpr double kWideTurn = 2.0;                    // rad; beyond it two geodesics may compete, both starts are tried
+constexpr double kWideTurn = 2.0;                    // rad; beyond it cold starts are tried beside the warm one
 constexpr double kTangentStep = 1e-5;                // rad of psi
 constexpr double kMarginTolerance = 1e-9;            // rad; rounding of an end posture that sits on a limit
 constexpr GeodesicOptions kCoarse{std::numeric_limits<double>::infinity(), 6, 6, 2e-2};
@@ -47,7 +47,7 @@ struct MarginSearch {
 
   /// Halving steps to both sides of the worst point.
   void sharpen() {
-    constexpr int kHalvings = 5;
+    constexpr int kHalvings = 3;
     for (int i = 0; i < kHalvings; ++i) {
       const double step = 0.5 * spacing, middle = v.lambda;
       for (const double lambda : {middle - step, middle + step}) {
@@ -124,17 +124,20 @@ bool SwivelSearch::try_cold(const ArmModel& arm, const Posture& start, const Geo
   return ok || solved;
 }
 
-/// Energy and its exact derivative along the loop (docs/equations.md, S2). With `rivals`, cold starts are tried beside the warm one.
+/// Energy and its exact derivative along the loop (docs/equations.md, S2), continued from a sample beside it where there is one.
 bool SwivelSearch::sample_energy(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,
-                                 const GeodesicOptions& options, const GeodesicPath* warm, bool rivals, EnergySample& s) {
+                                 const GeodesicOptions& options, const EnergySample* beside, EnergySample& s) {
   if (!loop_posture(arm, target, loop, s.psi, s.opening, s.posture)) return false;
+  s.rotation = rotation_angle(start, s.posture);
   Certificate c;
   bool ok = false;
-  if (warm != nullptr) {
-    ok = solver.solve(arm, start, s.posture, options, warm, s.path, c) == Status::Ok;
+  if (beside != nullptr) {
+    ok = solver.solve(arm, start, s.posture, options, &beside->path, s.path, c) == Status::Ok;
     s.momentum = solver.end_momentum();
   }
-  if (!ok || rivals || c.long_way || c.rotation_angle_rad > kWideTurn) ok = try_cold(arm, start, options, ok, s);
+  const bool refined = beside != nullptr && beside->psi == s.psi;   // the same posture, solved before
+  const bool wide = std::max(s.rotation, beside != nullptr ? beside->rotation : 0.0) > kWideTurn;
+  if (!ok || (!refined && (wide || c.long_way))) ok = try_cold(arm, start, options, ok, s);
   if (!ok) return false;
   s.energy = s.path.energy;
   Posture ahead;
@@ -145,45 +148,35 @@ bool SwivelSearch::sample_energy(const ArmModel& arm, const Posture& start, cons
   return true;
 }
 
-/// Whether somewhere on the arc the rotation from the start is wide: looked for at five places.
-bool SwivelSearch::has_wide_turn(const ArmModel& arm, const Posture& start, const Vec3& target, int arc) const {
-  constexpr int kPlaces = 4;
-  const FeasibleArc& a = set_.arcs[static_cast<std::size_t>(arc)];
-  double opening = 0.0;
-  for (int k = 0; k <= kPlaces; ++k) {
-    Posture posture;
-    const double psi = a.begin + (a.end - a.begin) * k / kPlaces;
-    if (loop_posture(arm, target, loop_of(arc), psi, opening, posture) && rotation_angle(start, posture) > kWideTurn) return true;
-  }
-  return false;
-}
-
 void SwivelSearch::sample_arc(const ArmModel& arm, const Posture& start, const Vec3& target, int arc) {
   const FeasibleArc& a = set_.arcs[static_cast<std::size_t>(arc)];
   const SelfMotionLoop& loop = loop_of(arc);
-  const bool rivals = has_wide_turn(arm, start, target, arc);
-  const double width = rivals ? kRivalCellWidth : kCellWidth;
-  const int cells = std::max(1, static_cast<int>(std::ceil((a.end - a.begin) / width)));
+  const double width = (a.end - a.begin) / std::max(1.0, std::ceil((a.end - a.begin) / kCellWidth));
   const int first = sample_count_;
-  const GeodesicPath* warm = nullptr;
-  double opening = 0.0;
-  for (int k = 0; k <= cells && sample_count_ < kMaxSamples; ++k) {
+  const EnergySample* previous = nullptr;
+  double psi = a.begin;
+  while (sample_count_ < kMaxSamples) {
     EnergySample& s = samples_[static_cast<std::size_t>(sample_count_)];
-    s.psi = a.begin + (a.end - a.begin) * k / cells;
-    s.opening = opening;
-    if (k == cells && a.whole) {
-      const double psi = s.psi;
+    const bool last = psi > a.end - kTangentStep;
+    s.psi = last ? a.end : psi;
+    s.opening = previous != nullptr ? previous->opening : 0.0;
+    bool ok = true;
+    if (last && a.whole && previous != nullptr) {
       s = samples_[static_cast<std::size_t>(first)];  // the loop closes
-      s.psi = psi;
-    } else if (!sample_energy(arm, start, target, loop, kCoarse, warm, rivals, s)) {
-      continue;
-    } else if (rotation_angle(start, s.posture) > kWideTurn) {
-      coarse_ = s.path;   // rivals are near, and the coarse grid errs by more than their difference
-      if (!sample_energy(arm, start, target, loop, kMedium, &coarse_, rivals, s)) continue;
+      s.psi = a.end;
+    } else {
+      ok = sample_energy(arm, start, target, loop, kCoarse, previous, s);
+      if (ok && s.rotation > kWideRotation) {   // rivals are near, and the coarse grid errs by more than their difference
+        coarse_ = s;
+        ok = sample_energy(arm, start, target, loop, kMedium, &coarse_, s);
+      }
     }
-    opening = s.opening;
-    warm = &s.path;
-    ++sample_count_;
+    if (ok) {
+      previous = &s;
+      ++sample_count_;
+    }
+    if (last) break;
+    psi += previous != nullptr && previous->rotation > kWideRotation ? std::min(width, kRivalCellWidth) : width;
   }
   if (sample_count_ > first) find_candidates(arc, first);
 }
@@ -269,7 +262,7 @@ bool SwivelSearch::narrow_cell(const ArmModel& arm, const Posture& start, const 
     const EnergySample& near = share < 0.5 ? low_ : high_;
     middle_.psi = low_.psi + share * (high_.psi - low_.psi);
     middle_.opening = near.opening;
-    if (!sample_energy(arm, start, target, loop, options, &near.path, true, middle_)) return false;
+    if (!sample_energy(arm, start, target, loop, options, &near, middle_)) return false;
     (middle_.slope < 0.0 ? low_ : high_) = middle_;
   }
   return true;

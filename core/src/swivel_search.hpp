@@ -11,6 +11,7 @@ namespace glenoid {
 struct EnergySample {
   double psi = 0.0, opening = 0.0;
   double energy = 0.0, slope = 0.0;   ///< slope: d energy / d psi
+  double rotation = 0.0;              ///< angle from the start, rad
   Posture posture;
   Vec4 momentum = Vec4::Zero();       ///< p(1), body coordinates of the posture
   GeodesicPath path;
@@ -44,9 +45,8 @@ class SwivelSearch {
 
   [[nodiscard]] const SelfMotionLoop& loop_of(int arc) const;
   bool sample_energy(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,
-                     const GeodesicOptions& options, const GeodesicPath* warm, bool rivals, EnergySample& sample);
+                     const GeodesicOptions& options, const EnergySample* beside, EnergySample& sample);
   bool try_cold(const ArmModel& arm, const Posture& start, const GeodesicOptions& options, bool solved, EnergySample& sample);
-  [[nodiscard]] bool has_wide_turn(const ArmModel& arm, const Posture& start, const Vec3& target, int arc) const;
   void sample_arc(const ArmModel& arm, const Posture& start, const Vec3& target, int arc);
   void find_candidates(int arc, int first);
   void add_candidate(const Candidate& candidate);
@@ -68,7 +68,8 @@ class SwivelSearch {
   int candidate_count_ = 0;
   EnergySample low_, high_, middle_;   ///< bracket of a minimum inside a cell
   ReachPlan edge_, edges_;
-  GeodesicPath scratch_, coarse_;
+  EnergySample coarse_;
+  GeodesicPath scratch_;
 };
 
 /// Fills what a finished path tells about the reach: hand error, swivel angle, limits on the way.
