@@ -116,6 +116,9 @@ def common_files(arguments: argparse.Namespace, description: ET.Element) -> File
         f"{reference}/fmi-ls-manifest.xml": (package / "fmi-ls-manifest.xml").read_bytes(),
         f"{reference}/Glenoid_out.csv": csv_text(rows).encode(),
     }
+    if arguments.resources is not None:
+        sets = arguments.resources.rglob("*.ssv")
+        files |= {f"resources/{path.relative_to(arguments.resources).as_posix()}": path.read_bytes() for path in sets}
     for licence in (package / "licenses").glob("*.txt"):
         files[f"documentation/licenses/{licence.name}"] = licence.read_bytes()
     return files
@@ -145,6 +148,7 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument("--compiler", required=True, help="lists the Eigen headers in use")
     parser.add_argument("--reference-library", type=Path, required=True, help="library that runs here")
     parser.add_argument("--library", nargs=2, action="append", required=True, metavar=("PLATFORM", "FILE"))
+    parser.add_argument("--resources", type=Path, help="folder of parameter sets (*.ssv)")
     parser.add_argument("--sources", nargs="+", type=Path, required=True)
     return parser.parse_args()
 
