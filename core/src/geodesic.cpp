@@ -22,6 +22,7 @@ constexpr double kChordContraction = 0.1;  // a further step must be this much s
 constexpr double kChordTolerance = 0.1;    // of the tolerance of a full step: a further step converges linearly only
 constexpr double kSaddleStep = 1e-6;       // rad; what a step must reach where the Hessian is not positive definite
 constexpr double kLeastDamping = 1e-3;
+constexpr double kUnresolved = 1e-2;      // spectral tail of a path that the finest grid does not resolve
 constexpr double kHopeless = 2.5;         // times the energy in hand: a first guess beyond it does not become cheaper
 constexpr int kSketchOrder = 12;          // paths of at most this order are not shown to users and need no certificate
 constexpr int kRetryOrder = 24;           // first grid of a second attempt in the short class
@@ -175,6 +176,9 @@ Status GeodesicSolver::Workspace::run(const ArmModel& arm, const Posture& start,
     d.store(path);
     c.spectral_tail = d.spectral_tail(path);
     const bool done = converged && !refine_anyway && c.spectral_tail <= options.tail_tolerance;
+    if (d.order() >= options.max_order && options.max_order > kSketchOrder && c.spectral_tail > kUnresolved) {
+      return Status::NoConvergence;   // a solution of the discrete problem, but not of the continuous one
+    }
     if (done || d.order() >= options.max_order) break;
     d.set_order(d.order() < 16 ? std::min(16, options.max_order) : d.order() + 1);
     for (int k = 0; k <= d.order(); ++k) {

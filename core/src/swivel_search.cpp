@@ -202,9 +202,11 @@ void SwivelSearch::find_candidates(int arc, int first) {
       const double e = hermite(a, b, static_cast<double>(k) / kParts);
       if (e < least) least = e, best = k;
     }
-    const bool interior = best > 0 && best < kParts;
-    if (interior || (a.slope < 0.0 && b.slope > 0.0)) {
-      const double t = static_cast<double>(best) / kParts;
+    const bool dips = best > 0 && best < kParts;
+    // An energy that falls into the cell from the lower side has a minimum inside, whatever the interpolant says.
+    const bool enclosed = (a.slope < 0.0 && b.energy >= a.energy) || (b.slope > 0.0 && a.energy >= b.energy);
+    if (dips || enclosed || (a.slope < 0.0 && b.slope > 0.0)) {
+      const double t = std::clamp(static_cast<double>(best) / kParts, 0.5 / kParts, 1.0 - 0.5 / kParts);
       add_candidate({least, a.psi + t * (b.psi - a.psi), arc, t < 0.5 ? i : i + 1, i, 0});
     }
   }
