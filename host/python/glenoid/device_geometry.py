@@ -17,7 +17,7 @@ MIRROR_AXIAL = np.array([1.0, -1.0, -1.0])
 
 @dataclass(frozen=True)
 class Geometry:
-    """What T needs; a left device as its right-hand twin (docs/equations_exoskeleton.md, X1).
+    """What T needs; a left device as its right-hand twin (docs/equations.md, X1).
 
     axes: (3, 3), a unit row per shoulder joint, base frame at zero. base_rad, cuff_rad: rotation vectors.
     lower_rad, upper_rad: (6,), infinite where the file states no range.

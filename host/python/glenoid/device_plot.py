@@ -16,6 +16,8 @@ from glenoid.plot import ANGLE_COLOURS, ANGLE_LABELS, BLUE, GREEN, GREY, INK, OR
 from glenoid.reach import Reach
 
 AXIS_COLOURS = (BLUE, ORANGE, GREEN)
+#: axes that coincide stay visible
+LENGTHS = (1.0, 0.85, 0.7)
 JOINT_COLOURS = (PURPLE, INK, BLUE, ORANGE, GREEN, GREY)
 
 
@@ -46,11 +48,11 @@ def draw_axis_view(panel: Axes, axes: np.ndarray, first: int, second: int) -> No
         [0, arm[first]], [0, arm[second]], color=PALE, lw=9, solid_capstyle="round", label="hanging arm", zorder=1
     )
     for k, (axis, colour) in enumerate(zip(axes, AXIS_COLOURS, strict=True)):
-        x, y = axis[first], axis[second]
+        x, y = LENGTHS[k] * axis[first], LENGTHS[k] * axis[second]
         if np.hypot(x, y) < 0.05:
             panel.plot(0, 0, "o", ms=11 + 5 * k, mfc="none", mec=colour, mew=2.2, zorder=4)
         else:
-            width = 0.030 - 0.009 * k
+            width = 0.014 + 0.009 * k
             panel.quiver(0, 0, x, y, color=colour, angles="xy", scale_units="xy", scale=1, width=width, zorder=3 + k)
         panel.plot([], [], color=colour, lw=3, label=f"axis {k + 1}")
     panel.plot(0, 0, "o", color=INK, ms=4, zorder=9)
@@ -71,8 +73,9 @@ def draw_arm_angles(panel: Axes, reach: Reach) -> None:
     """The person's angles."""
     for k, (label, colour) in enumerate(zip(ANGLE_LABELS, ANGLE_COLOURS, strict=True)):
         panel.plot(reach.time_s, np.rad2deg(reach.samples["q_rad"][:, k]), color=colour, label=label)
-    panel.set(title="Arm", ylabel="angle (deg)")
-    panel.legend(ncols=2)
+    panel.set(ylabel="angle (deg)")
+    panel.set_title("Arm", pad=34)
+    panel.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.98), ncols=2, columnspacing=1.0, handlelength=1.2)
 
 
 def draw_joint(panel: Axes, reach: Reach, motion: DeviceMotion, joint: int) -> None:

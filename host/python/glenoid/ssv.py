@@ -83,7 +83,7 @@ def device_set(device: Device) -> bytes:
     return document(device.data.name, device_parameters(device), text)
 
 
-def read(path: Path) -> dict[str, Any]:
+def read(path: str | Path) -> dict[str, Any]:
     """Start values of a parameter set, by variable; an enumeration as its number."""
     root = ET.parse(path).getroot()
     items = {
