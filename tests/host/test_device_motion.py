@@ -127,6 +127,15 @@ def test_reversing_a_path_reverses_the_joints(name):
     assert np.abs(forth["dq_rad"] + home["dq_rad"]).max() < 100 * tolerance
 
 
+def turn(axis, angle):
+    """Rotation about a coordinate axis."""
+    k = "xyz".index(axis)
+    out, i, j = np.eye(3), (k + 1) % 3, (k + 2) % 3
+    out[i, i] = out[j, j] = np.cos(angle)
+    out[j, i], out[i, j] = np.sin(angle), -np.sin(angle)
+    return out
+
+
 def skew_text(side, axes, base, cuff):
     return SKEW.format(side=side, axes=axes.tolist(), base=base.tolist(), cuff=cuff.tolist())
 
@@ -216,7 +225,16 @@ def test_what_the_fmu_cannot_know_is_said_loudly(run):
 
 def test_base_carried_by_the_girdle_is_no_parameter_of_the_fmu(run, device_file):
     file = device_file(IDENTITY + "girdle: {base_follows: true}\n")
-    assert run("plan", "--exo", file).code == 0
+    carried = run("plan", "--exo", file, "--json").json["exo"]["motion"]
+    level = run("plan", "--exo", device_file(IDENTITY), "--json").json["exo"]["motion"]
+    # Same girdle, other shoulder joints: R = Rz(q_pr) Ry(-q_ed) Rz(q_1) Rx(q_2) Rz(q_3) in both.
+    assert carried["exo_residual_m"] == level["exo_residual_m"]
+    for q, other in zip(carried["exo_q_rad"], level["exo_q_rad"], strict=True):
+        assert q[:2] == other[:2]
+        girdle = turn("z", q[0]) @ turn("y", -q[1])
+        ours, plain = (turn("z", a[2]) @ turn("x", a[3]) @ turn("z", a[4]) for a in (q, other))
+        assert np.abs(girdle @ ours - plain).max() < 1e-12
+    file = device_file(IDENTITY + "girdle: {base_follows: true}\n")
     done = run("simulate", "--exo", file)
     assert done.code == 2
     assert "girdle.base_follows" in done.err
