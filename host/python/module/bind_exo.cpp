@@ -48,7 +48,8 @@ void bind_enums(nb::module_& module) {
 void bind_settings(nb::module_& module) {
   nb::class_<ExoSettings>(module, "ExoSettings", "Parameters of a device (docs/equations.md, X1-X6).")
       .def(nb::init<>())
-      .def_prop_rw("axes", &axes_of, &set_axes, "Unit axes of shoulder joints 1..3, a row each, in the base frame at zero.")
+      .def_prop_rw("axes", &axes_of, &set_axes,
+                   "Unit axes of shoulder joints 1..3, a row each, in the base frame at zero.")
       .def_rw("base_rad", &ExoSettings::base)
       .def_rw("cuff_rad", &ExoSettings::cuff)
       .def_rw("girdle_order", &ExoSettings::girdle_order)
@@ -207,16 +208,18 @@ void bind_exo(nb::module_& module) {
   bind_enums(module);
   bind_settings(module);
   bind_check(module);
-  module.def("map_path", &map_path, "model"_a, "path"_a, "rhythm"_a, "guide"_a, "lambda_"_a,
-             "Device along a path, a row per lambda: q_rad, dq_rad, ddq_rad (derivatives by lambda), residual_m, margin_rad, "
-             "singularity_rad, length_m, status (numbers of Status).",
-             nb::sig("def map_path(model: ExoModel, path: GeodesicPath, rhythm: Rhythm, guide: ExoGuide, "
-                     "lambda_: NDArray[numpy.float64]) -> dict[str, NDArray[numpy.float64]]"));
-  module.def("map_postures", &map_postures, "model"_a, "rhythm"_a, "q_rad"_a,
-             "T of single postures (theta, eta, zeta, phi): q_rad, margin_rad, singularity_rad, limit_margin_rad (of the "
-             "branch deeper inside the joint limits), residual_m.",
-             nb::sig("def map_postures(model: ExoModel, rhythm: Rhythm, q_rad: NDArray[numpy.float64]) "
-                     "-> dict[str, NDArray[numpy.float64]]"));
+  module.def(
+      "map_path", &map_path, "model"_a, "path"_a, "rhythm"_a, "guide"_a, "lambda_"_a,
+      "Device along a path, a row per lambda: q_rad, dq_rad, ddq_rad (derivatives by lambda), residual_m, margin_rad, "
+      "singularity_rad, length_m, status (numbers of Status).",
+      nb::sig("def map_path(model: ExoModel, path: GeodesicPath, rhythm: Rhythm, guide: ExoGuide, "
+              "lambda_: NDArray[numpy.float64]) -> dict[str, NDArray[numpy.float64]]"));
+  module.def(
+      "map_postures", &map_postures, "model"_a, "rhythm"_a, "q_rad"_a,
+      "T of single postures (theta, eta, zeta, phi): q_rad, margin_rad, singularity_rad, limit_margin_rad (of the "
+      "branch deeper inside the joint limits), residual_m.",
+      nb::sig("def map_postures(model: ExoModel, rhythm: Rhythm, q_rad: NDArray[numpy.float64]) "
+              "-> dict[str, NDArray[numpy.float64]]"));
 }
 
 }  // namespace glenoid::python

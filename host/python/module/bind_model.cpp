@@ -112,7 +112,8 @@ void bind_arm(nb::module_& module) {
   module.def("angles_from_posture", &angles_from_posture, "posture"_a, "near_q_rad"_a,
              "q of a posture, eta and zeta within pi of near_q_rad.");
   module.def("isb_from_angles", &isb_from_angles, "q_rad"_a, "ISB angles and elbow flexion, rad; K6.");
-  module.def("forward_kinematics", &forward_kinematics, "arm"_a, "posture"_a, "Joint points about the moving centre; K2.");
+  module.def("forward_kinematics", &forward_kinematics, "arm"_a, "posture"_a,
+             "Joint points about the moving centre; K2.");
   module.def("swivel_angle", &swivel_angle, "points"_a, "Swivel angle, rad; 0 = elbow lowest; K4.");
   module.def("inverse_kinematics", &solve_inverse_kinematics, "arm"_a, "wrist_m"_a, "swivel_rad"_a,
              "Every posture with the wrist there and this swivel angle; an empty list if there is none; K7.");

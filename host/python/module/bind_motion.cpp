@@ -46,8 +46,22 @@ void bind_settings(nb::module_& module) {
 /// Columns of a sampled motion, n rows each.
 struct Samples {
   explicit Samples(Eigen::Index n)
-      : q(n, 4), dq(n, 4), ddq(n, 4), shoulder(n, 3), elbow(n, 3), wrist(n, 3), girdle(n, 3), swivel(n), progress(n),
-        energy(n), misalignment(n), exo_q(n, 6), exo_dq(n, 6), exo_ddq(n, 6), exo_residual(n), status(n) {}
+      : q(n, 4),
+        dq(n, 4),
+        ddq(n, 4),
+        shoulder(n, 3),
+        elbow(n, 3),
+        wrist(n, 3),
+        girdle(n, 3),
+        swivel(n),
+        progress(n),
+        energy(n),
+        misalignment(n),
+        exo_q(n, 6),
+        exo_dq(n, 6),
+        exo_ddq(n, 6),
+        exo_residual(n),
+        status(n) {}
 
   void set(Eigen::Index i, const MotionSample& sample) {
     q.row(i) = sample.q;

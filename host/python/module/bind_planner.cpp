@@ -69,11 +69,14 @@ void bind_path(nb::module_& module) {
       .def("posture", &path_posture, "lambda_"_a)
       .def("angles", &path_angles, "lambda_"_a, "near_q_rad"_a,
            "q, dq, ddq with respect to lambda, each (n, 4) rad, unwrapped from near_q_rad.",
-           nb::sig("def angles(self, lambda_: NDArray[numpy.float64], near_q_rad: NDArray[numpy.float64]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]"))
+           nb::sig("def angles(self, lambda_: NDArray[numpy.float64], near_q_rad: NDArray[numpy.float64]) -> "
+                   "tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]"))
       .def("points", &path_points, "arm"_a, "lambda_"_a, "Shoulder, elbow and wrist, each (n, 3) m in T.",
-           nb::sig("def points(self, arm: ArmModel, lambda_: NDArray[numpy.float64]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]"))
+           nb::sig("def points(self, arm: ArmModel, lambda_: NDArray[numpy.float64]) -> tuple[NDArray[numpy.float64], "
+                   "NDArray[numpy.float64], NDArray[numpy.float64]]"))
       .def("rotations", &path_rotations, "lambda_"_a, "R_TU (n, 3, 3) and phi (n,) rad.",
-           nb::sig("def rotations(self, lambda_: NDArray[numpy.float64]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]"))
+           nb::sig("def rotations(self, lambda_: NDArray[numpy.float64]) -> tuple[NDArray[numpy.float64], "
+                   "NDArray[numpy.float64]]"))
       .def("start_rates", &start_rates, "Rates at lambda = 0, per unit lambda: what follow_geodesic takes.");
 }
 
@@ -146,7 +149,8 @@ std::pair<Status, GeodesicPath> refine_path(const ArmModel& arm, const GeodesicP
   std::pair<Status, GeodesicPath> out;
   Certificate certificate;
   GeodesicSolver solver;
-  out.first = solver.solve(arm, path_posture(path, 0.0), path_posture(path, 1.0), options, &path, out.second, certificate);
+  out.first = solver.solve(arm, path_posture(path, 0.0), path_posture(path, 1.0), options, &path, out.second,
+                           certificate);
   return out;
 }
 
@@ -183,8 +187,9 @@ void bind_reach_planner(nb::module_& module) {
       .def("plan_between", &plan_between, "arm"_a, "start"_a, "end"_a, Release(), "Given end posture.")
       .def("sample_family", &sample_family, "arm"_a, "start"_a, "target_m"_a, "count"_a,
            "Family of final postures over the self-motion: swivel_rad, margin_rad, energy_kg_m2, R_TU, phi_rad.",
-           nb::sig("def sample_family(self, arm: ArmModel, start: Posture, target_m: NDArray[numpy.float64], count: int) "
-                   "-> tuple[Status, dict[str, NDArray[numpy.float64]]]"));
+           nb::sig(
+               "def sample_family(self, arm: ArmModel, start: Posture, target_m: NDArray[numpy.float64], count: int) "
+               "-> tuple[Status, dict[str, NDArray[numpy.float64]]]"));
 }
 
 void bind_follow(nb::module_& module) {

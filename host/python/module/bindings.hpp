@@ -30,9 +30,9 @@ inline Eigen::Matrix<double, 1, 9> flat_rotation(const Mat3& R) {
   return Eigen::Map<const Eigen::Matrix<double, 1, 9>>(row_major.data());
 }
 
-void bind_model(nb::module_& module);     ///< subject, rhythm, limits, kinematics, metric
-void bind_planner(nb::module_& module);   ///< paths, planner, initial-value problem
+void bind_model(nb::module_& module);    ///< subject, rhythm, limits, kinematics, metric
+void bind_planner(nb::module_& module);  ///< paths, planner, initial-value problem
 void bind_exo(nb::module_& module);      ///< the device's joints
-void bind_motion(nb::module_& module);    ///< the generator in time
+void bind_motion(nb::module_& module);   ///< the generator in time
 
 }  // namespace glenoid::python
