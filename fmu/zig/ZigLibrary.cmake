@@ -20,7 +20,7 @@ function(glenoid_zig_library platform result)
   endif()
   if(platform MATCHES "linux")
     list(APPEND sources ${CMAKE_CURRENT_SOURCE_DIR}/zig/unload_elf.cpp)
-    list(APPEND flags -Wl,-z,defs -Wl,--version-script=${CMAKE_CURRENT_SOURCE_DIR}/exports.map)
+    list(APPEND flags -include ${CMAKE_CURRENT_SOURCE_DIR}/zig/glibc_symbols.hpp -Wl,-z,defs -Wl,--version-script=${CMAKE_CURRENT_SOURCE_DIR}/exports.map)
   elseif(platform MATCHES "windows")
     set(suffix .dll)
   else()
@@ -35,7 +35,7 @@ function(glenoid_zig_library platform result)
             -I ${generated} -I ${CMAKE_CURRENT_SOURCE_DIR}/src -I ${CMAKE_SOURCE_DIR}/core/include
             -isystem ${CMAKE_CURRENT_SOURCE_DIR}/headers -isystem ${eigen_include} -o ${library}
     DEPENDS ${sources} ${headers} ${table} ${CMAKE_CURRENT_SOURCE_DIR}/exports.map
-            ${CMAKE_CURRENT_SOURCE_DIR}/zig/ZigLibrary.cmake
+            ${CMAKE_CURRENT_SOURCE_DIR}/zig/ZigLibrary.cmake ${CMAKE_CURRENT_SOURCE_DIR}/zig/glibc_symbols.hpp
     COMMENT "Glenoid${suffix} for ${platform} (zig; the first time it also compiles its C++ library)" VERBATIM)
   set(${result} ${library} PARENT_SCOPE)
 endfunction()
