@@ -170,13 +170,12 @@ TEST_P(RandomGeodesic, IsStationaryAndMinimalAgainstBentPaths) {
   }
 }
 
-TEST_P(RandomGeodesic, NamesItsHomotopyClassTruthfully) {
-  // Lift to rotation vectors of small steps: the long way has turned by more than pi relative to the short rotation, which shows
-  // as the sign of the product of half-angle quaternions.
+/// Whether a path turns the long way round: lifts it to unit quaternions by small steps and looks at the sign at the end.
+bool turns_long_way(const GeodesicPath& path) {
   Eigen::Vector4d q(1.0, 0.0, 0.0, 0.0);  // w, x, y, z
-  Mat3 before = path_posture(path_, 0.0).R_TU;
+  Mat3 before = path_posture(path, 0.0).R_TU;
   for (int i = 1; i <= 400; ++i) {
-    const Mat3 after = path_posture(path_, i / 400.0).R_TU;
+    const Mat3 after = path_posture(path, i / 400.0).R_TU;
     const Mat3 step = before.transpose() * after;
     const Vec3 v = 0.25 * Vec3(step(2, 1) - step(1, 2), step(0, 2) - step(2, 0), step(1, 0) - step(0, 1));
     const double w = std::sqrt(1.0 - v.squaredNorm());
@@ -185,11 +184,29 @@ TEST_P(RandomGeodesic, NamesItsHomotopyClassTruthfully) {
     q << q[0] * w - u.dot(v), next;
     before = after;
   }
+  return q[0] < 0.0;
+}
+
+TEST_P(RandomGeodesic, NamesItsHomotopyClassTruthfully) {
   const double angle = rotation_distance(pair_.start.R_TU, pair_.end.R_TU);
   EXPECT_NEAR(certificate_.rotation_angle_rad, angle, 1e-7);
-  if (angle < kPi - 1e-3) {
-    EXPECT_EQ(certificate_.long_way, q[0] < 0.0);
+  if (angle > kPi - 1e-3) GTEST_SKIP() << "both ways are equally long";
+  EXPECT_EQ(certificate_.long_way, turns_long_way(path_));
+}
+
+TEST_P(RandomGeodesic, IsTheCheaperOfBothClassesWhereTheRotationIsWide) {
+  GeodesicOptions round;
+  round.long_way = true;
+  GeodesicPath other, cheapest;
+  Certificate certificate;
+  const Status status = solver_.solve(pair_.arm, pair_.start, pair_.end, round, nullptr, other, certificate);
+  if (status == Status::Ok && certificate_.rotation_angle_rad < kPi - 1e-3) {
+    EXPECT_EQ(certificate.long_way, turns_long_way(other));
   }
+  ASSERT_EQ(solver_.solve_cheapest(pair_.arm, pair_.start, pair_.end, {}, cheapest, certificate), Status::Ok);
+  const bool wide = certificate_.rotation_angle_rad > kWideRotation && status == Status::Ok;
+  const double least = wide ? std::min(path_.energy, other.energy) : path_.energy;
+  EXPECT_NEAR(cheapest.energy, least, 1e-8 * least);
 }
 
 TEST_P(RandomGeodesic, IsTheSameBitForBitWhateverWasSolvedBefore) {
