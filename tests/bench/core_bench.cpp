@@ -99,8 +99,13 @@ void replan(benchmark::State& state) {
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     test::TaskRandom random(kSeed, 100000 + i);
     const bool planned = planner.plan_minimum_energy(arm, tasks[i].start, tasks[i].target, earlier[i]) == Status::Ok;
-    targets[i] = tasks[i].target + step * random.in_ball(1.0).normalized();
     if (!planned) state.SkipWithError("a task of the set has no plan");
+    bool reachable = false;   // a refusal is cheaper than a plan and would flatter the figure
+    for (int attempt = 0; attempt < 20 && !reachable; ++attempt) {
+      targets[i] = tasks[i].target + step * random.in_ball(1.0).normalized();
+      reachable = planner.plan_minimum_energy(arm, path_posture(earlier[i].path, 0.3), targets[i], plan) == Status::Ok;
+    }
+    if (!reachable) targets[i] = tasks[i].target;
   }
   CallTimes times(state);
   std::size_t k = 0;
