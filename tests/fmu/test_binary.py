@@ -47,6 +47,12 @@ def test_only_the_c_library_is_needed(archive):
     assert "not found" not in read("ldd", "-r", archive.library_path)
 
 
+@pytest.mark.parametrize("name", ["sin", "cos", "acos", "atan2", "erf"])
+def test_mathematical_functions_are_those_of_the_c_library(archive, name):
+    """zig's run-time library has its own, which give other bits than the core gets elsewhere."""
+    assert re.search(rf"^\s+U {name}(@|$)", read("nm", "-D", archive.library_path), re.MULTILINE)
+
+
 def test_old_systems_can_load_it(archive, build_folder):
     if not (build_folder / "binaries").exists():
         pytest.skip("built without ziglang: the glibc floor is that of this machine")
