@@ -12,20 +12,20 @@
 namespace glenoid {
 namespace {
 
-constexpr int kMaxIterations = 40;        // per grid
-constexpr double kLooseStep = 3e-2;       // rad; for grids that are refined anyway
-constexpr double kStepCap = 0.6;          // rad; largest nodal change of one step
+constexpr int kMaxIterations = 40;   // per grid
+constexpr double kLooseStep = 3e-2;  // rad; for grids that are refined anyway
+constexpr double kStepCap = 0.6;     // rad; largest nodal change of one step
 constexpr double kArmijo = 1e-4;
-constexpr double kQuadraticZone = 1e-4;   // rad; full steps below it are taken as they are
+constexpr double kQuadraticZone = 1e-4;    // rad; full steps below it are taken as they are
 constexpr double kChordZone = 3e-2;        // rad; after a full step below it the same factor serves for further ones
 constexpr double kChordContraction = 0.1;  // a further step must be this much smaller, else the Hessian is computed anew
 constexpr double kChordTolerance = 0.1;    // of the tolerance of a full step: a further step converges linearly only
 constexpr double kSaddleStep = 1e-6;       // rad; what a step must reach where the Hessian is not positive definite
 constexpr double kLeastDamping = 1e-3;
-constexpr double kUnresolved = 1e-2;      // spectral tail of a path that the finest grid does not resolve
-constexpr double kHopeless = 2.5;         // times the energy in hand: a first guess beyond it does not become cheaper
-constexpr int kSketchOrder = 12;          // paths of at most this order are not shown to users and need no certificate
-constexpr int kRetryOrder = 24;           // first grid of a second attempt in the short class
+constexpr double kUnresolved = 1e-2;  // spectral tail of a path that the finest grid does not resolve
+constexpr double kHopeless = 2.5;     // times the energy in hand: a first guess beyond it does not become cheaper
+constexpr int kSketchOrder = 12;      // paths of at most this order are not shown to users and need no certificate
+constexpr int kRetryOrder = 24;       // first grid of a second attempt in the short class
 
 bool finite(const Posture& p) { return p.R_TU.allFinite() && std::isfinite(p.phi); }
 
@@ -59,7 +59,8 @@ void warm_guess(DiscreteGeodesic& d, const GeodesicPath& warm, const Posture& a,
   for (int k = 0; k <= n; ++k) {
     const double t = d.grid().node[static_cast<std::size_t>(k)];
     const Posture p = path_posture(warm, t);
-    d.posture(k) = {p.R_TU * rotation((1.0 - t) * da + t * db), p.phi + (1.0 - t) * (a.phi - wa.phi) + t * (b.phi - wb.phi)};
+    d.posture(k) = {p.R_TU * rotation((1.0 - t) * da + t * db),
+                    p.phi + (1.0 - t) * (a.phi - wa.phi) + t * (b.phi - wb.phi)};
   }
   d.posture(0) = a;
   d.posture(n) = b;
@@ -85,7 +86,7 @@ struct Newton {
     if (!std::isfinite(size)) return -1.0;
     double scale = std::min(1.0, kStepCap / std::max(size, 1e-300));
     const double before = d.energy();
-    const bool settled = positive && size < kQuadraticZone;   // there the energy cannot tell steps from rounding
+    const bool settled = positive && size < kQuadraticZone;  // there the energy cannot tell steps from rounding
     while (true) {
       d.move(arm, scale);
       if (settled || d.energy() <= before + kArmijo * scale * slope) break;
@@ -139,7 +140,7 @@ bool turns_long_way(const DiscreteGeodesic& d) {
 
 struct GeodesicSolver::Workspace {
   DiscreteGeodesic discrete;
-  GeodesicPath other;            ///< of the class that was tried second
+  GeodesicPath other;  ///< of the class that was tried second
   Vec4 end_momentum = Vec4::Zero();
 
   double guess_energy(const ArmModel& arm, const Posture& start, const Posture& end, const GeodesicOptions& options);
@@ -177,7 +178,7 @@ Status GeodesicSolver::Workspace::run(const ArmModel& arm, const Posture& start,
     c.spectral_tail = d.spectral_tail(path);
     const bool done = converged && !refine_anyway && c.spectral_tail <= options.tail_tolerance;
     if (d.order() >= options.max_order && options.max_order > kSketchOrder && c.spectral_tail > kUnresolved) {
-      return Status::NoConvergence;   // a solution of the discrete problem, but not of the continuous one
+      return Status::NoConvergence;  // a solution of the discrete problem, but not of the continuous one
     }
     if (done || d.order() >= options.max_order) break;
     d.set_order(d.order() < 16 ? std::min(16, options.max_order) : d.order() + 1);
@@ -202,13 +203,15 @@ GeodesicSolver::~GeodesicSolver() = default;
 GeodesicSolver::GeodesicSolver(GeodesicSolver&&) noexcept = default;
 GeodesicSolver& GeodesicSolver::operator=(GeodesicSolver&&) noexcept = default;
 
-Status GeodesicSolver::solve(const ArmModel& arm, const Posture& start, const Posture& end, const GeodesicOptions& options,
-                             const GeodesicPath* warm, GeodesicPath& path, Certificate& certificate) noexcept {
+Status GeodesicSolver::solve(const ArmModel& arm, const Posture& start, const Posture& end,
+                             const GeodesicOptions& options, const GeodesicPath* warm, GeodesicPath& path,
+                             Certificate& certificate) noexcept {
   if (!finite(start) || !finite(end)) return Status::NotFinite;
   Workspace& w = *workspace_;
   certificate = Certificate{};
   Status status = w.run(arm, start, end, nullptr, options, warm, path, certificate);
-  if (status != Status::Ok && warm != nullptr) status = w.run(arm, start, end, nullptr, options, nullptr, path, certificate);
+  if (status != Status::Ok && warm != nullptr)
+    status = w.run(arm, start, end, nullptr, options, nullptr, path, certificate);
   GeodesicOptions other = options;
   if (status != Status::Ok && options.max_order > kRetryOrder) {
     other.first_order = kRetryOrder;
@@ -232,7 +235,8 @@ Status GeodesicSolver::solve_cheapest(const ArmModel& arm, const Posture& start,
   const Vec4 momentum = end_momentum();
   GeodesicOptions round = options;
   round.long_way = !options.long_way;
-  if (status == Status::Ok && !(workspace_->guess_energy(arm, start, end, round) < kHopeless * path.energy)) return status;
+  if (status == Status::Ok && !(workspace_->guess_energy(arm, start, end, round) < kHopeless * path.energy))
+    return status;
   Certificate other;
   const Status second = solve(arm, start, end, round, nullptr, workspace_->other, other);
   if (second == Status::Ok && (status != Status::Ok || workspace_->other.energy < path.energy)) {
@@ -244,9 +248,9 @@ Status GeodesicSolver::solve_cheapest(const ArmModel& arm, const Posture& start,
   return status;
 }
 
-Status GeodesicSolver::solve_free_end(const ArmModel& arm, const Posture& start, const Posture& guess, const Vec3& target,
-                                      const GeodesicOptions& options, const GeodesicPath* warm, GeodesicPath& path,
-                                      Certificate& certificate) noexcept {
+Status GeodesicSolver::solve_free_end(const ArmModel& arm, const Posture& start, const Posture& guess,
+                                      const Vec3& target, const GeodesicOptions& options, const GeodesicPath* warm,
+                                      GeodesicPath& path, Certificate& certificate) noexcept {
   if (!finite(start) || !finite(guess) || !target.allFinite()) return Status::NotFinite;
   Workspace& w = *workspace_;
   certificate = Certificate{};

@@ -22,12 +22,24 @@ constexpr Eigen::Index kStates = 9;
 using State = Eigen::Matrix<double, kStates, 1>;
 constexpr long kMaxSteps = 200'000;
 
-struct ContextDeleter { void operator()(SUNContext context) const noexcept { SUNContext_Free(&context); } };
-struct VectorDeleter { void operator()(N_Vector vector) const noexcept { N_VDestroy(vector); } };
-struct MatrixDeleter { void operator()(SUNMatrix matrix) const noexcept { SUNMatDestroy(matrix); } };
-struct LinearDeleter { void operator()(SUNLinearSolver solver) const noexcept { SUNLinSolFree(solver); } };
-struct NonlinearDeleter { void operator()(SUNNonlinearSolver solver) const noexcept { SUNNonlinSolFree(solver); } };
-struct CvodeDeleter { void operator()(void* memory) const noexcept { CVodeFree(&memory); } };
+struct ContextDeleter {
+  void operator()(SUNContext context) const noexcept { SUNContext_Free(&context); }
+};
+struct VectorDeleter {
+  void operator()(N_Vector vector) const noexcept { N_VDestroy(vector); }
+};
+struct MatrixDeleter {
+  void operator()(SUNMatrix matrix) const noexcept { SUNMatDestroy(matrix); }
+};
+struct LinearDeleter {
+  void operator()(SUNLinearSolver solver) const noexcept { SUNLinSolFree(solver); }
+};
+struct NonlinearDeleter {
+  void operator()(SUNNonlinearSolver solver) const noexcept { SUNNonlinSolFree(solver); }
+};
+struct CvodeDeleter {
+  void operator()(void* memory) const noexcept { CVodeFree(&memory); }
+};
 
 template <class Pointer, class Deleter>
 using Owned = std::unique_ptr<std::remove_pointer_t<Pointer>, Deleter>;
@@ -76,7 +88,8 @@ class Integrator {
     if (!y_ || !memory_) return;
     void* cvode = memory_.get();
     // The default handler prints; this library reports by status only.
-    ready_ = CVodeSetErrFile(cvode, nullptr) == CV_SUCCESS && CVodeInit(cvode, derivative, 0.0, y_.get()) == CV_SUCCESS &&
+    ready_ = CVodeSetErrFile(cvode, nullptr) == CV_SUCCESS &&
+             CVodeInit(cvode, derivative, 0.0, y_.get()) == CV_SUCCESS &&
              CVodeSStolerances(cvode, options.relative_tolerance, options.absolute_tolerance) == CV_SUCCESS &&
              CVodeSetUserData(cvode, const_cast<ArmModel*>(&arm)) == CV_SUCCESS &&
              CVodeSetMaxNumSteps(cvode, kMaxSteps) == CV_SUCCESS && CVodeSetStopTime(cvode, 1.0) == CV_SUCCESS &&
@@ -124,9 +137,10 @@ bool finite(const Posture& posture, const PostureRates& rates) noexcept {
 
 }  // namespace
 
-Status follow_geodesic(const ArmModel& arm, const Posture& start, const PostureRates& rates, const FollowOptions& options,
-                       FollowResult& out) {
-  if (!finite(start, rates) || !std::isfinite(options.relative_tolerance) || !std::isfinite(options.absolute_tolerance)) {
+Status follow_geodesic(const ArmModel& arm, const Posture& start, const PostureRates& rates,
+                       const FollowOptions& options, FollowResult& out) {
+  if (!finite(start, rates) || !std::isfinite(options.relative_tolerance) ||
+      !std::isfinite(options.absolute_tolerance)) {
     return Status::NotFinite;
   }
   if (options.samples < 2 || options.relative_tolerance <= 0.0 || options.absolute_tolerance <= 0.0) {

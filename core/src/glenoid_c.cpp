@@ -13,7 +13,7 @@
 
 struct glenoid_motion {
   glenoid::MotionGenerator generator;
-  const char* refusal = nullptr;   ///< why this layer refused the last command; NULL if it did not
+  const char* refusal = nullptr;  ///< why this layer refused the last command; NULL if it did not
 };
 
 namespace {
@@ -61,7 +61,7 @@ MotionSettings settings_of(const glenoid_settings& from) {
 }
 
 glenoid_settings settings_of(const MotionSettings& from) noexcept {
-  glenoid_settings to{};   // lengths 0: scaled from stature
+  glenoid_settings to{};  // lengths 0: scaled from stature
   to.stature_m = from.subject.stature_m;
   to.mass_kg = from.subject.mass_kg;
   to.rhythm_model = static_cast<int>(from.rhythm.model);
@@ -102,7 +102,7 @@ void glenoid_default_settings(glenoid_settings* settings) {
   if (settings == nullptr) return;
   try {
     *settings = settings_of(MotionSettings());
-  } catch (...) {   // nothing above throws today; the boundary holds whatever is added
+  } catch (...) {  // nothing above throws today; the boundary holds whatever is added
     *settings = glenoid_settings{};
   }
 }

@@ -17,8 +17,8 @@ double angle_of(double y, double x) noexcept {
 }
 
 struct RangeDistance {
-  double below;   ///< to the lower limit, negative outside
-  double above;   ///< to the upper limit
+  double below;  ///< to the lower limit, negative outside
+  double above;  ///< to the upper limit
 };
 
 RangeDistance distance(double angle, double lower, double upper) noexcept { return {angle - lower, upper - angle}; }

@@ -90,15 +90,10 @@ RateMap rate_map(const Vec4& q, const Vec4& v) noexcept {
   const double st = std::sin(q[kTheta]), ct = std::cos(q[kTheta]);
   const double sz = std::sin(q[kZeta]), cz = std::cos(q[kZeta]);
   RateMap map;
-  map.G << cz, sz * st, 0.0, 0.0,
-          -sz, cz * st, 0.0, 0.0,
-          0.0, ct, 1.0, 0.0,
-          0.0, 0.0, 0.0, 1.0;
+  map.G << cz, sz * st, 0.0, 0.0, -sz, cz * st, 0.0, 0.0, 0.0, ct, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0;
   const double dt = v[kTheta], de = v[kEta], dz = v[kZeta];
   map.G_rate_v << -sz * dz * dt + (cz * dz * st + sz * ct * dt) * de,
-                  -cz * dz * dt + (-sz * dz * st + cz * ct * dt) * de,
-                  -st * dt * de,
-                  0.0;
+      -cz * dz * dt + (-sz * dz * st + cz * ct * dt) * de, -st * dt * de, 0.0;
   return map;
 }
 

@@ -9,15 +9,15 @@ namespace {
 
 /// One row of the table: fractions of the body and of the segment's own length.
 struct TableSegment {
-  double length_m;        // of the table's mean person
-  double mass;            // fraction of body mass
-  double com;             // from the proximal joint, fraction of length
-  Vec3 gyration;          // about the centre of mass (sagittal, transverse, longitudinal), fraction of length
+  double length_m;  // of the table's mean person
+  double mass;      // fraction of body mass
+  double com;       // from the proximal joint, fraction of length
+  Vec3 gyration;    // about the centre of mass (sagittal, transverse, longitudinal), fraction of length
 };
 
 struct Table {
   double stature_m;
-  TableSegment upper_arm, forearm, hand;   // hand: wrist to third metacarpal
+  TableSegment upper_arm, forearm, hand;  // hand: wrist to third metacarpal
 };
 
 // de Leva 1996, J Biomech 29(9):1223-1230, table 4 (joint centres as end points).
@@ -33,7 +33,7 @@ const Table& table_of(bool female) {
   return female ? kFemale : kMale;
 }
 
-constexpr double kShoulderDistanceRatio = 0.60;   // d_0/l_u: SC-GH 0.175 m over humerus 0.291 m; Chadwick 2014 (das3)
+constexpr double kShoulderDistanceRatio = 0.60;  // d_0/l_u: SC-GH 0.175 m over humerus 0.291 m; Chadwick 2014 (das3)
 
 constexpr const char* kTableSource = "de Leva 1996";
 constexpr const char* kGiven = "given";
@@ -56,7 +56,8 @@ Segment from_table(const TableSegment& row, double stature_ratio, double body_ma
   segment.com_m = row.com * segment.length_m;
   const Vec3 square = row.gyration.cwiseAbs2();
   const double transverse = 0.5 * (square[0] + square[1]);
-  segment.inertia_kg_m2 = segment.mass_kg * segment.length_m * segment.length_m * Vec3(transverse, transverse, square[2]);
+  segment.inertia_kg_m2 = segment.mass_kg * segment.length_m * segment.length_m *
+                          Vec3(transverse, transverse, square[2]);
   return segment;
 }
 
@@ -87,7 +88,7 @@ Segment with_given(const Segment& scaled, const SegmentGiven& given) {
 }
 
 void check_inertia(Problems& problems, const std::string& name, const Vec3& inertia) {
-  constexpr double kRounding = 1e-12;   // relative; a flat plate has equality
+  constexpr double kRounding = 1e-12;  // relative; a flat plate has equality
   for (Eigen::Index k = 0; k < 3; ++k) {
     const std::string axis = name + "[" + "xyz"[k] + "]";
     problems.require_positive(axis, inertia[k], "kg.m2");
@@ -98,17 +99,17 @@ void check_inertia(Problems& problems, const std::string& name, const Vec3& iner
 }
 
 void check_given(Problems& problems, const SegmentGiven& given, const Segment& scaled) {
-  constexpr double kLongest_m = 1.0;       // beyond every person; catches millimetres and centimetres
-  constexpr double kFarthestCom = 1.5;     // of the length: a hand may hold a load
+  constexpr double kLongest_m = 1.0;    // beyond every person; catches millimetres and centimetres
+  constexpr double kFarthestCom = 1.5;  // of the length: a hand may hold a load
   if (given.length_m) {
-    problems.require(*given.length_m > 0.0 && *given.length_m <= kLongest_m, given.name + ".length", *given.length_m, "m",
-                     "must be above 0 and at most 1 m; another unit in the file?");
+    problems.require(*given.length_m > 0.0 && *given.length_m <= kLongest_m, given.name + ".length", *given.length_m,
+                     "m", "must be above 0 and at most 1 m; another unit in the file?");
   }
   if (given.mass_kg) problems.require_positive(given.name + ".mass", *given.mass_kg, "kg");
   if (given.com_m) {
     const double length_m = given.length_m.value_or(scaled.length_m);
-    problems.require(*given.com_m > 0.0 && *given.com_m <= kFarthestCom * length_m, given.name + ".com", *given.com_m, "m",
-                     "must be above 0 and at most 1.5 segment lengths");
+    problems.require(*given.com_m > 0.0 && *given.com_m <= kFarthestCom * length_m, given.name + ".com", *given.com_m,
+                     "m", "must be above 0 and at most 1.5 segment lengths");
   }
   if (given.inertia_kg_m2) check_inertia(problems, given.name + ".inertia", *given.inertia_kg_m2);
 }

@@ -45,9 +45,10 @@ Status ReachPlanner::plan_minimum_energy(const ArmModel& arm, const Posture& sta
 }
 
 Status ReachPlanner::replan_minimum_energy(const ArmModel& arm, const Posture& start, const Vec3& target,
-                                           const GeodesicPath& previous, double previous_lambda, ReachPlan& out) noexcept {
-  constexpr double kNear = 0.12;             // m; farther targets are planned afresh
-  constexpr double kRest = 0.95;             // lambda beyond which nothing is left of the earlier path
+                                           const GeodesicPath& previous, double previous_lambda,
+                                           ReachPlan& out) noexcept {
+  constexpr double kNear = 0.12;  // m; farther targets are planned afresh
+  constexpr double kRest = 0.95;  // lambda beyond which nothing is left of the earlier path
   if (!target.allFinite() || !std::isfinite(previous_lambda)) return Status::NotFinite;
   const Posture& end = previous.nodes[static_cast<std::size_t>(previous.order)];
   const bool near = previous.order > 0 && previous_lambda < kRest &&
@@ -104,7 +105,8 @@ Status ReachPlanner::plan_prescribed(const ArmModel& arm, const Posture& start, 
   return result;
 }
 
-Status ReachPlanner::plan_between(const ArmModel& arm, const Posture& start, const Posture& end, ReachPlan& out) noexcept {
+Status ReachPlanner::plan_between(const ArmModel& arm, const Posture& start, const Posture& end,
+                                  ReachPlan& out) noexcept {
   const Status status = workspace_->search.solver.solve_cheapest(arm, start, end, {}, out.path, out.certificate);
   if (status != Status::Ok) return status;
   SelfMotion motion;
@@ -135,7 +137,8 @@ Status ReachPlanner::sample_family(const ArmModel& arm, const Posture& start, co
       if (!loop_posture(arm, target, motion.loops[static_cast<std::size_t>(l)], psi, opening, m.end)) continue;
       m.swivel_rad = swivel_angle(forward_kinematics(arm, m.end));
       m.margin = limit_margin(arm.limits, m.end);
-      const Status solved = workspace_->search.solver.solve(arm, start, m.end, kSketch, nullptr, trial.path, trial.certificate);
+      const Status solved = workspace_->search.solver.solve(arm, start, m.end, kSketch, nullptr, trial.path,
+                                                            trial.certificate);
       m.energy = solved == Status::Ok ? trial.path.energy : std::numeric_limits<double>::quiet_NaN();
       ++out.count;
     }

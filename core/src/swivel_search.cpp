@@ -12,24 +12,28 @@
 namespace glenoid {
 namespace {
 
-constexpr double kCellWidth = 25.0 * kPi / 180.0;   // rad of psi between coarse energies
-constexpr double kRivalCellWidth = 8.0 * kPi / 180.0;   // the same where the rotation is wide and two geodesics may compete
-constexpr double kRival = 0.02;                      // relative energy within which a second candidate is examined
-constexpr double kWideTurn = 2.3;                    // rad; beyond it cold starts are tried beside the warm one
-constexpr double kTangentStep = 1e-5;                // rad of psi
-constexpr double kMarginTolerance = 1e-9;            // rad; rounding of an end posture that sits on a limit
+constexpr double kCellWidth = 25.0 * kPi / 180.0;  // rad of psi between coarse energies
+constexpr double kRivalCellWidth = 8.0 * kPi /
+                                   180.0;  // the same where the rotation is wide and two geodesics may compete
+constexpr double kRival = 0.02;            // relative energy within which a second candidate is examined
+constexpr double kWideTurn = 2.3;          // rad; beyond it cold starts are tried beside the warm one
+constexpr double kTangentStep = 1e-5;      // rad of psi
+constexpr double kMarginTolerance = 1e-9;  // rad; rounding of an end posture that sits on a limit
 constexpr GeodesicOptions kCoarse{std::numeric_limits<double>::infinity(), 6, 6, 2e-2};
-constexpr GeodesicOptions kMedium{std::numeric_limits<double>::infinity(), 6, 12, 1e-4};   // wide turns: rivals are near
+constexpr GeodesicOptions kMedium{std::numeric_limits<double>::infinity(), 6, 12, 1e-4};  // wide turns: rivals are near
 constexpr GeodesicOptions kFine{};
 
 bool finite(const Posture& p) { return p.R_TU.allFinite() && std::isfinite(p.phi); }
 
-double rotation_angle(const Posture& a, const Posture& b) { return rotation_vector(a.R_TU.transpose() * b.R_TU).norm(); }
+double rotation_angle(const Posture& a, const Posture& b) {
+  return rotation_vector(a.R_TU.transpose() * b.R_TU).norm();
+}
 
 /// Value of the cubic Hermite interpolant of a cell at t in [0, 1].
 double hermite(const EnergySample& a, const EnergySample& b, double t) {
   const double h = b.psi - a.psi, r = 1.0 - t;
-  return r * r * (1.0 + 2.0 * t) * a.energy + t * t * (3.0 - 2.0 * t) * b.energy + h * t * r * (r * a.slope - t * b.slope);
+  return r * r * (1.0 + 2.0 * t) * a.energy + t * t * (3.0 - 2.0 * t) * b.energy +
+         h * t * r * (r * a.slope - t * b.slope);
 }
 
 /// Looks for the least margin along a path.
@@ -37,7 +41,7 @@ struct MarginSearch {
   const JointLimits& limits;
   const GeodesicPath& path;
   LimitViolation& v;
-  double spacing = 0.0;   ///< distance to the points beside the worst one
+  double spacing = 0.0;  ///< distance to the points beside the worst one
 
   double look(const Posture& posture, double lambda, double step) {
     const LimitMargin m = limit_margin(limits, posture);
@@ -60,8 +64,8 @@ struct MarginSearch {
 
 /// Least margin along a path: at its nodes, and between two of them where a limit is near.
 void find_violation(const JointLimits& limits, const GeodesicPath& path, LimitViolation& v) {
-  constexpr double kNear = 0.2;        // rad of margin
-  constexpr double kReported = 1e-6;   // rad; less is the rounding of an end on a limit
+  constexpr double kNear = 0.2;       // rad of margin
+  constexpr double kReported = 1e-6;  // rad; less is the rounding of an end on a limit
   const Lobatto& grid = lobatto(path.order);
   v = LimitViolation{};
   v.worst.margin_rad = std::numeric_limits<double>::infinity();
@@ -125,8 +129,9 @@ bool SwivelSearch::try_cold(const ArmModel& arm, const Posture& start, const Geo
 }
 
 /// Energy and its exact derivative along the loop (docs/equations.md, S2), continued from a sample beside it where there is one.
-bool SwivelSearch::sample_energy(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,
-                                 const GeodesicOptions& options, const EnergySample* beside, EnergySample& s) {
+bool SwivelSearch::sample_energy(const ArmModel& arm, const Posture& start, const Vec3& target,
+                                 const SelfMotionLoop& loop, const GeodesicOptions& options, const EnergySample* beside,
+                                 EnergySample& s) {
   if (!loop_posture(arm, target, loop, s.psi, s.opening, s.posture)) return false;
   s.rotation = rotation_angle(start, s.posture);
   Certificate c;
@@ -135,7 +140,7 @@ bool SwivelSearch::sample_energy(const ArmModel& arm, const Posture& start, cons
     ok = solver.solve(arm, start, s.posture, options, &beside->path, s.path, c) == Status::Ok;
     s.momentum = solver.end_momentum();
   }
-  const bool refined = beside != nullptr && beside->psi == s.psi;   // the same posture, solved before
+  const bool refined = beside != nullptr && beside->psi == s.psi;  // the same posture, solved before
   const bool wide = std::max(s.rotation, beside != nullptr ? beside->rotation : 0.0) > kWideTurn;
   if (!ok || (!refined && (wide || c.long_way))) ok = try_cold(arm, start, options, ok, s);
   if (!ok) return false;
@@ -166,7 +171,7 @@ void SwivelSearch::sample_arc(const ArmModel& arm, const Posture& start, const V
       s.psi = a.end;
     } else {
       ok = sample_energy(arm, start, target, loop, kCoarse, previous, s);
-      if (ok && s.rotation > kWideRotation) {   // rivals are near, and the coarse grid errs by more than their difference
+      if (ok && s.rotation > kWideRotation) {  // rivals are near, and the coarse grid errs by more than their difference
         coarse_ = s;
         ok = sample_energy(arm, start, target, loop, kMedium, &coarse_, s);
       }
@@ -246,8 +251,8 @@ Status SwivelSearch::best_edge(const ArmModel& arm, const Posture& start, const 
 }
 
 /// Free end from a guess, with the result inside the limits.
-Status SwivelSearch::refine_interior(const ArmModel& arm, const Posture& start, const Vec3& target, const Posture& guess,
-                                     const GeodesicPath& warm, ReachPlan& out) {
+Status SwivelSearch::refine_interior(const ArmModel& arm, const Posture& start, const Vec3& target,
+                                     const Posture& guess, const GeodesicPath& warm, ReachPlan& out) {
   const Status status = solver.solve_free_end(arm, start, guess, target, kFine, &warm, out.path, out.certificate);
   if (status != Status::Ok) return status;
   const Posture& end = out.path.nodes[static_cast<std::size_t>(out.path.order)];
@@ -255,8 +260,8 @@ Status SwivelSearch::refine_interior(const ArmModel& arm, const Posture& start, 
 }
 
 /// Narrows (low_, high_) around a minimum by the sign of the exact slope; middle_ is the last one tried.
-bool SwivelSearch::narrow_cell(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,
-                               const GeodesicOptions& options, double width) {
+bool SwivelSearch::narrow_cell(const ArmModel& arm, const Posture& start, const Vec3& target,
+                               const SelfMotionLoop& loop, const GeodesicOptions& options, double width) {
   constexpr int kMostSteps = 40;
   for (int i = 0; i < kMostSteps && high_.psi - low_.psi > width; ++i) {
     const double secant = low_.slope / (low_.slope - high_.slope);
@@ -273,7 +278,7 @@ bool SwivelSearch::narrow_cell(const ArmModel& arm, const Posture& start, const 
 /// Minimum inside a cell where the free end left the arc or did not settle: bracketed, so that it cannot escape.
 Status SwivelSearch::refine_cell(const ArmModel& arm, const Posture& start, const Vec3& target, const Candidate& c,
                                  ReachPlan& out) {
-  constexpr double kFirstWidth = 0.02, kLastWidth = 1e-6;   // rad of psi
+  constexpr double kFirstWidth = 0.02, kLastWidth = 1e-6;  // rad of psi
   const SelfMotionLoop& loop = loop_of(c.arc);
   low_ = samples_[static_cast<std::size_t>(c.cell)];
   high_ = samples_[static_cast<std::size_t>(c.cell + 1)];

@@ -10,20 +10,20 @@ namespace glenoid {
 /// Coarse energy at one posture of an arc.
 struct EnergySample {
   double psi = 0.0, opening = 0.0;
-  double energy = 0.0, slope = 0.0;   ///< slope: d energy / d psi
-  double rotation = 0.0;              ///< angle from the start, rad
+  double energy = 0.0, slope = 0.0;  ///< slope: d energy / d psi
+  double rotation = 0.0;             ///< angle from the start, rad
   Posture posture;
-  Vec4 momentum = Vec4::Zero();       ///< p(1), body coordinates of the posture
+  Vec4 momentum = Vec4::Zero();  ///< p(1), body coordinates of the posture
   GeodesicPath path;
 };
 
 struct Candidate {
-  double energy = 0.0;     ///< estimated
+  double energy = 0.0;  ///< estimated
   double psi = 0.0;
   int arc = 0;
-  int nearest = 0;         ///< index of the energy sample to start from
-  int cell = 0;            ///< index of the sample at the begin of its cell; interior candidates only
-  int edge = 0;            ///< -1 begin, +1 end, 0 interior
+  int nearest = 0;  ///< index of the energy sample to start from
+  int cell = 0;     ///< index of the sample at the begin of its cell; interior candidates only
+  int edge = 0;     ///< -1 begin, +1 end, 0 interior
 };
 
 /// Global search for the swivel angle of least energy (docs/equations.md, S1-S4): scratch memory and its steps.
@@ -36,7 +36,7 @@ class SwivelSearch {
 
   [[nodiscard]] const FeasibleSet& feasible() const noexcept { return set_; }
   GeodesicSolver solver;
-  ReachPlan trial;   ///< scratch for callers between calls
+  ReachPlan trial;  ///< scratch for callers between calls
 
  private:
   // cells of 25 deg, or 8 deg where two geodesics may compete, over one turn in at most kMaxArcs arcs
@@ -46,14 +46,17 @@ class SwivelSearch {
   [[nodiscard]] const SelfMotionLoop& loop_of(int arc) const;
   bool sample_energy(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,
                      const GeodesicOptions& options, const EnergySample* beside, EnergySample& sample);
-  bool try_cold(const ArmModel& arm, const Posture& start, const GeodesicOptions& options, bool solved, EnergySample& sample);
+  bool try_cold(const ArmModel& arm, const Posture& start, const GeodesicOptions& options, bool solved,
+                EnergySample& sample);
   void sample_arc(const ArmModel& arm, const Posture& start, const Vec3& target, int arc);
   void find_candidates(int arc, int first);
   void add_candidate(const Candidate& candidate);
-  Status refine(const ArmModel& arm, const Posture& start, const Vec3& target, const Candidate& candidate, ReachPlan& out);
+  Status refine(const ArmModel& arm, const Posture& start, const Vec3& target, const Candidate& candidate,
+                ReachPlan& out);
   Status refine_interior(const ArmModel& arm, const Posture& start, const Vec3& target, const Posture& guess,
                          const GeodesicPath& warm, ReachPlan& out);
-  Status refine_cell(const ArmModel& arm, const Posture& start, const Vec3& target, const Candidate& candidate, ReachPlan& out);
+  Status refine_cell(const ArmModel& arm, const Posture& start, const Vec3& target, const Candidate& candidate,
+                     ReachPlan& out);
   bool narrow_cell(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,
                    const GeodesicOptions& options, double width);
   Status refine_edge(const ArmModel& arm, const Posture& start, const Vec3& target, int arc, int edge,
@@ -66,7 +69,7 @@ class SwivelSearch {
   int sample_count_ = 0;
   std::array<Candidate, kMaxCandidates> candidates_;
   int candidate_count_ = 0;
-  EnergySample low_, high_, middle_;   ///< bracket of a minimum inside a cell
+  EnergySample low_, high_, middle_;  ///< bracket of a minimum inside a cell
   ReachPlan edge_, edges_;
   EnergySample coarse_;
   GeodesicPath scratch_;

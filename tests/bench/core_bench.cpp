@@ -24,7 +24,9 @@ class CallTimes {
   ~CallTimes() {
     if (times_us_.empty()) return;
     std::sort(times_us_.begin(), times_us_.end());
-    const auto at = [this](double share) { return times_us_[static_cast<std::size_t>(share * static_cast<double>(times_us_.size() - 1))]; };
+    const auto at = [this](double share) {
+      return times_us_[static_cast<std::size_t>(share * static_cast<double>(times_us_.size() - 1))];
+    };
     state_.counters["median_us"] = at(0.5);
     state_.counters["p99_us"] = at(0.99);
     state_.counters["max_us"] = at(1.0);
@@ -100,7 +102,7 @@ void replan(benchmark::State& state) {
     test::TaskRandom random(kSeed, 100000 + i);
     const bool planned = planner.plan_minimum_energy(arm, tasks[i].start, tasks[i].target, earlier[i]) == Status::Ok;
     if (!planned) state.SkipWithError("a task of the set has no plan");
-    bool reachable = false;   // a refusal is cheaper than a plan and would flatter the figure
+    bool reachable = false;  // a refusal is cheaper than a plan and would flatter the figure
     for (int attempt = 0; attempt < 20 && !reachable; ++attempt) {
       targets[i] = tasks[i].target + step * random.in_ball(1.0).normalized();
       reachable = planner.plan_minimum_energy(arm, path_posture(earlier[i].path, 0.3), targets[i], plan) == Status::Ok;

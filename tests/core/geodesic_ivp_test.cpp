@@ -66,7 +66,8 @@ TEST_P(Integrator, KeepsTheEnergy) {
     const FollowResult result = follow(arm, launch, options());
     EXPECT_LE(result.energy_drift, kGlobalError);
     const double before = energy(arm, launch.start, launch.rates);
-    EXPECT_NEAR(energy(arm, result.postures.back(), result.end_rates) / before, 1.0, kGlobalError) << "and reports it truly";
+    EXPECT_NEAR(energy(arm, result.postures.back(), result.end_rates) / before, 1.0, kGlobalError)
+        << "and reports it truly";
     EXPECT_GT(result.steps, 10);
     ASSERT_EQ(result.postures.size(), 101u);
     EXPECT_LE(distance(result.postures.front(), launch.start), 1e-15);
@@ -129,7 +130,8 @@ TEST_P(Integrator, AFixedShoulderConservesTheSpatialAngularMomentum) {
   for (int k = 0; k < kLaunches; ++k) {
     const Launch launch = random_launch(random, k);
     const FollowResult result = follow(arm, launch, options());
-    EXPECT_TRUE(near(momentum(result.postures.back(), result.end_rates), momentum(launch.start, launch.rates), kGlobalError));
+    EXPECT_TRUE(
+        near(momentum(result.postures.back(), result.end_rates), momentum(launch.start, launch.rates), kGlobalError));
   }
 }
 

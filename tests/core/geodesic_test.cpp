@@ -102,7 +102,8 @@ TEST_P(RandomGeodesic, ShotWithItsOwnRatesArrives) {
   const double tolerance = std::max(1e-7, 100.0 * rate_error());
   EXPECT_LT(posture_distance(shot.postures.back(), pair_.end), tolerance);
   for (int i = 0; i <= 100; i += 10) {
-    EXPECT_LT(posture_distance(shot.postures[static_cast<std::size_t>(i)], path_posture(path_, i / 100.0)), tolerance) << i;
+    EXPECT_LT(posture_distance(shot.postures[static_cast<std::size_t>(i)], path_posture(path_, i / 100.0)), tolerance)
+        << i;
   }
 }
 
@@ -119,9 +120,11 @@ TEST_P(RandomGeodesic, EnergyGradientAtTheEndsIsTheMomentum) {
       const Vec4 step = (side ? h : -h) * Vec4::Unit(k);
       GeodesicPath path;
       Certificate certificate;
-      ASSERT_EQ(solve_tightly(solver_, pair_.arm, pair_.start, displaced(pair_.end, step), path, certificate), Status::Ok);
+      ASSERT_EQ(solve_tightly(solver_, pair_.arm, pair_.start, displaced(pair_.end, step), path, certificate),
+                Status::Ok);
       at_end[side] = path.energy;
-      ASSERT_EQ(solve_tightly(solver_, pair_.arm, displaced(pair_.start, step), pair_.end, path, certificate), Status::Ok);
+      ASSERT_EQ(solve_tightly(solver_, pair_.arm, displaced(pair_.start, step), pair_.end, path, certificate),
+                Status::Ok);
       at_start[side] = path.energy;
     }
     const double tolerance = std::max(1e-6, 10.0 * rate_error()) * scale;
@@ -163,7 +166,8 @@ TEST_P(RandomGeodesic, IsStationaryAndMinimalAgainstBentPaths) {
     const double up = bent_energy(pair_.arm, path_, xi, m, a), down = bent_energy(pair_.arm, path_, xi, m, -a);
     const double second = (up - 2.0 * straight + down) / (a * a);
     // The central difference leaves a^2/6 of the third derivative, which is of the size of the second.
-    EXPECT_NEAR((up - down) / (2.0 * a), 0.0, 10.0 * a * a * (std::abs(second) + path_.energy) + 10.0 * rate_error()) << m;
+    EXPECT_NEAR((up - down) / (2.0 * a), 0.0, 10.0 * a * a * (std::abs(second) + path_.energy) + 10.0 * rate_error())
+        << m;
     if (certificate_.hessian_positive) {
       EXPECT_GT(second, 0.0) << m;
     }
@@ -394,8 +398,10 @@ TEST(Geodesic, RefusesWhatIsNotFinite) {
     broken = good;
     broken.R_TU(1, 2) = bad;
     EXPECT_EQ(solver.solve(arm, broken, good, {}, nullptr, path, certificate), Status::NotFinite);
-    EXPECT_EQ(solver.solve_free_end(arm, good, broken, Vec3(0.2, 0.4, 0.1), {}, nullptr, path, certificate), Status::NotFinite);
-    EXPECT_EQ(solver.solve_free_end(arm, good, good, Vec3(bad, 0.4, 0.1), {}, nullptr, path, certificate), Status::NotFinite);
+    EXPECT_EQ(solver.solve_free_end(arm, good, broken, Vec3(0.2, 0.4, 0.1), {}, nullptr, path, certificate),
+              Status::NotFinite);
+    EXPECT_EQ(solver.solve_free_end(arm, good, good, Vec3(bad, 0.4, 0.1), {}, nullptr, path, certificate),
+              Status::NotFinite);
   }
 }
 

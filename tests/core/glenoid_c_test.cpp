@@ -12,7 +12,7 @@
 #include "glenoid/motion.hpp"
 #include "support/matchers.hpp"
 
-extern "C" int glenoid_reach_from_c(void);   // glenoid_c_client.c: the header compiled as C
+extern "C" int glenoid_reach_from_c(void);  // glenoid_c_client.c: the header compiled as C
 
 namespace glenoid::test {
 namespace {
@@ -94,7 +94,7 @@ TEST(CInterface, PassesEverySettingOn) {
   const Motion motion = create(c);
   ASSERT_NE(motion, nullptr);
   MotionGenerator generator(cpp);
-  const std::array<double, 3> target = {-0.25, 0.30, 0.05};   // a left arm reaches to the left
+  const std::array<double, 3> target = {-0.25, 0.30, 0.05};  // a left arm reaches to the left
   ASSERT_EQ(glenoid_command(motion.get(), 0.2, target.data(), 1, 0), GLENOID_OK);
   ASSERT_EQ(generator.command(0.2, {Vec3(target.data()), true, false}), Status::Ok);
   glenoid_sample c_sample;
@@ -199,20 +199,21 @@ TEST_P(CInterfaceRefuses, TheSettingByName) {
   EXPECT_TRUE(contains(text, GetParam().what)) << "said: " << text;
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, CInterfaceRefuses, testing::Values(
-    BadSetting{"stature", [](glenoid_settings& s) { s.stature_m = kNaN; }},
-    BadSetting{"mass", [](glenoid_settings& s) { s.mass_kg = -1.0; }},
-    BadSetting{"upper_arm.length", [](glenoid_settings& s) { s.upper_arm_length_m = -0.3; }},
-    BadSetting{"forearm.length", [](glenoid_settings& s) { s.forearm_length_m = kNaN; }},
-    BadSetting{"shoulder_distance", [](glenoid_settings& s) { s.shoulder_distance_m = -0.1; }},
-    BadSetting{"rhythm.model", [](glenoid_settings& s) { s.rhythm_model = 7; }},
-    BadSetting{"rhythm.gain", [](glenoid_settings& s) { s.rhythm_gain = 2.0; }},
-    BadSetting{"rhythm.smoothing", [](glenoid_settings& s) { s.rhythm_smoothing_rad = kNaN; }},
-    BadSetting{"swivel.mode", [](glenoid_settings& s) { s.swivel_mode = 0; }},
-    BadSetting{"swivel.prescribed", [](glenoid_settings& s) { s.swivel_prescribed_rad = kNaN; }},
-    BadSetting{"duration", [](glenoid_settings& s) { s.duration_s = 0.0; }},
-    BadSetting{"limits.lower[theta]", [](glenoid_settings& s) { s.limits_lower_rad[0] = 15.0; }},
-    BadSetting{"start", [](glenoid_settings& s) { s.start_q_rad[1] = kNaN; }}));
+INSTANTIATE_TEST_SUITE_P(
+    Each, CInterfaceRefuses,
+    testing::Values(BadSetting{"stature", [](glenoid_settings& s) { s.stature_m = kNaN; }},
+                    BadSetting{"mass", [](glenoid_settings& s) { s.mass_kg = -1.0; }},
+                    BadSetting{"upper_arm.length", [](glenoid_settings& s) { s.upper_arm_length_m = -0.3; }},
+                    BadSetting{"forearm.length", [](glenoid_settings& s) { s.forearm_length_m = kNaN; }},
+                    BadSetting{"shoulder_distance", [](glenoid_settings& s) { s.shoulder_distance_m = -0.1; }},
+                    BadSetting{"rhythm.model", [](glenoid_settings& s) { s.rhythm_model = 7; }},
+                    BadSetting{"rhythm.gain", [](glenoid_settings& s) { s.rhythm_gain = 2.0; }},
+                    BadSetting{"rhythm.smoothing", [](glenoid_settings& s) { s.rhythm_smoothing_rad = kNaN; }},
+                    BadSetting{"swivel.mode", [](glenoid_settings& s) { s.swivel_mode = 0; }},
+                    BadSetting{"swivel.prescribed", [](glenoid_settings& s) { s.swivel_prescribed_rad = kNaN; }},
+                    BadSetting{"duration", [](glenoid_settings& s) { s.duration_s = 0.0; }},
+                    BadSetting{"limits.lower[theta]", [](glenoid_settings& s) { s.limits_lower_rad[0] = 15.0; }},
+                    BadSetting{"start", [](glenoid_settings& s) { s.start_q_rad[1] = kNaN; }}));
 
 TEST(CInterface, RefusesAStartTimeThatIsNoTime) {
   const glenoid_settings settings = defaults();

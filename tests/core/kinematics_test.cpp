@@ -135,8 +135,8 @@ TEST(ForwardKinematics, IsTheClosedFormOfTheAngles) {
     const ArmPoints points = forward_kinematics(arm, posture_from_angles(q));
     ASSERT_EQ(points.shoulder, arm.rhythm.position(posture_from_angles(q).R_TU.col(2)));
     ASSERT_TRUE(near(points.elbow - points.shoulder, l_u * Vec3(-st * se, st * ce, -ct), 1e-15));
-    const Vec3 reach(-l_u * st * se - l_f * (se * along + sp * sz * ce), l_u * st * ce + l_f * (ce * along - sp * sz * se),
-                     -l_u * ct + l_f * (sp * st * cz - cp * ct));
+    const Vec3 reach(-l_u * st * se - l_f * (se * along + sp * sz * ce),
+                     l_u * st * ce + l_f * (ce * along - sp * sz * se), -l_u * ct + l_f * (sp * st * cz - cp * ct));
     ASSERT_TRUE(near(points.wrist - points.shoulder, reach, 1e-15));
   }
 }
@@ -197,7 +197,7 @@ TEST(SwivelAngle, TurnsTheElbowAboutTheLineToTheWrist) {
     const double l_u = random.uniform(0.2, 0.4), l_f = random.uniform(0.2, 0.4), alpha = random.uniform(-kPi, kPi);
     const double d = random.uniform(std::abs(l_u - l_f) + 0.02, l_u + l_f - 0.02);
     const Vec3 n = random.unit_vector(), down = -Vec3::UnitZ();
-    if (std::hypot(n.x(), n.y()) < 0.05) continue;   // swivel undefined on the vertical, ill-conditioned near it
+    if (std::hypot(n.x(), n.y()) < 0.05) continue;  // swivel undefined on the vertical, ill-conditioned near it
     const Vec3 u = (down - down.dot(n) * n).normalized();
     const double c = (l_u * l_u + d * d - l_f * l_f) / (2.0 * d), r = std::sqrt(l_u * l_u - c * c);
     const Vec3 shoulder = random.vector(0.3);
@@ -214,7 +214,8 @@ TEST(SwivelAngle, IsPositiveWithTheElbowOut) {
 
 TEST(SwivelAngle, IsZeroWhereItIsUndefined) {
   const Vec3 shoulder(0.17, 0.0, 0.0);
-  EXPECT_EQ(swivel_angle({shoulder, Vec3(0.37, 0.0, -0.2), shoulder - Vec3(0.0, 0.0, 0.4)}), 0.0) << "wrist straight below";
+  EXPECT_EQ(swivel_angle({shoulder, Vec3(0.37, 0.0, -0.2), shoulder - Vec3(0.0, 0.0, 0.4)}), 0.0)
+      << "wrist straight below";
   EXPECT_EQ(swivel_angle({shoulder, shoulder, shoulder}), 0.0);
 }
 
@@ -301,7 +302,7 @@ int count_roots(const ArmModel& arm, const Vec3& wrist, double swivel) {
     const double theta = kPi * k / kGrid;
     const Vec3 reach = wrist - arm.rhythm.position(Vec3(0.0, -std::sin(theta), std::cos(theta)));
     const double d = reach.norm(), c = (l_u * l_u + d * d - l_f * l_f) / (2.0 * d), n_z = reach.z() / d;
-    const double r = std::sqrt(l_u * l_u - c * c);   // NaN out of reach
+    const double r = std::sqrt(l_u * l_u - c * c);  // NaN out of reach
     const double f = l_u * std::cos(theta) + c * n_z - r * std::sqrt(1.0 - n_z * n_z) * std::cos(swivel);
     if (f * before < 0.0) ++count;
     before = f;

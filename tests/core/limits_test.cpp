@@ -17,7 +17,8 @@ namespace {
 /// Independent of the kinematics under test elsewhere: the definition, by Eigen's rotations.
 Posture posture_at(double theta, double eta, double zeta, double phi) {
   const Mat3 R = (Eigen::AngleAxisd(eta, Vec3::UnitZ()) * Eigen::AngleAxisd(theta, Vec3::UnitX()) *
-                  Eigen::AngleAxisd(zeta, Vec3::UnitZ())).toRotationMatrix();
+                  Eigen::AngleAxisd(zeta, Vec3::UnitZ()))
+                     .toRotationMatrix();
   return {R, phi};
 }
 
@@ -69,7 +70,7 @@ TEST(LimitMargin, IsTheLeastSignedDistanceOfAllLimits) {
 }
 
 TEST(LimitMargin, EtaIsFreeBelowFiveDegreesOfElevation) {
-  const double outside = 100.0 * kDegree;   // above the default 45
+  const double outside = 100.0 * kDegree;  // above the default 45
   const JointLimits limits;
   EXPECT_LT(limit_margin(limits, posture_at(5.001 * kDegree, outside, -outside, 1.0)).margin_rad, 0.0);
   EXPECT_GT(limit_margin(limits, posture_at(4.999 * kDegree, outside, -outside, 1.0)).margin_rad, 0.0);
@@ -103,7 +104,9 @@ TEST(LimitMargin, OfNotANumberIsNotANumber) {
   EXPECT_TRUE(std::isnan(limit_margin(JointLimits(), posture).margin_rad));
 }
 
-TEST(Limits, DefaultsAreValid) { EXPECT_EQ(refusal([] { validate(JointLimits()); }), ""); }
+TEST(Limits, DefaultsAreValid) {
+  EXPECT_EQ(refusal([] { validate(JointLimits()); }), "");
+}
 
 TEST(Limits, AWholeTurnIsAllowed) {
   JointLimits limits;
@@ -131,21 +134,22 @@ TEST_P(LimitsRefuse, WithNameValueUnitAndRule) {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-INSTANTIATE_TEST_SUITE_P(Each, LimitsRefuse, testing::Values(
-    BadLimit{"limits.lower[theta]", kLimitTheta, -1.0, 150.0},
-    BadLimit{"limits.upper[theta]", kLimitTheta, 0.0, 181.0},
-    BadLimit{"must be below limits.upper[theta]", kLimitTheta, 90.0, 90.0},
-    BadLimit{"must be below limits.upper[eta]", kLimitEta, 45.0, -135.0},
-    BadLimit{"limits.upper[eta]", kLimitEta, -135.0, kNaN},
-    BadLimit{"must be at most 2 pi above", kLimitEta, -200.0, 200.0},
-    BadLimit{"limits.lower[eta+zeta]", kLimitTau, -361.0, -10.0},
-    BadLimit{"limits.upper[eta+zeta]", kLimitTau, 0.0, std::numeric_limits<double>::infinity()},
-    BadLimit{"limits.lower[phi]", kLimitPhi, -5.0, 145.0},
-    BadLimit{"limits.upper[phi]", kLimitPhi, 0.0, 181.0}));
+INSTANTIATE_TEST_SUITE_P(Each, LimitsRefuse,
+                         testing::Values(BadLimit{"limits.lower[theta]", kLimitTheta, -1.0, 150.0},
+                                         BadLimit{"limits.upper[theta]", kLimitTheta, 0.0, 181.0},
+                                         BadLimit{"must be below limits.upper[theta]", kLimitTheta, 90.0, 90.0},
+                                         BadLimit{"must be below limits.upper[eta]", kLimitEta, 45.0, -135.0},
+                                         BadLimit{"limits.upper[eta]", kLimitEta, -135.0, kNaN},
+                                         BadLimit{"must be at most 2 pi above", kLimitEta, -200.0, 200.0},
+                                         BadLimit{"limits.lower[eta+zeta]", kLimitTau, -361.0, -10.0},
+                                         BadLimit{"limits.upper[eta+zeta]", kLimitTau, 0.0,
+                                                  std::numeric_limits<double>::infinity()},
+                                         BadLimit{"limits.lower[phi]", kLimitPhi, -5.0, 145.0},
+                                         BadLimit{"limits.upper[phi]", kLimitPhi, 0.0, 181.0}));
 
 TEST(Limits, EveryProblemIsNamedInOneException) {
   JointLimits limits;
-  limits.upper = Vec4(150.0, 45.0, 80.0, 145.0);   // degrees by mistake
+  limits.upper = Vec4(150.0, 45.0, 80.0, 145.0);  // degrees by mistake
   const std::string text = refusal([&] { validate(limits); });
   for (const char* name : {"upper[theta]", "upper[eta]", "upper[eta+zeta]", "upper[phi]"}) {
     EXPECT_TRUE(contains(text, name)) << text;

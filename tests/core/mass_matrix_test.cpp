@@ -40,7 +40,7 @@ ArmModel random_arm(Random& random, bool moving_shoulder) {
 
 struct PointMass {
   double mass_kg;
-  Vec3 local;   ///< from the proximal joint, in the segment's frame
+  Vec3 local;  ///< from the proximal joint, in the segment's frame
 };
 
 /// Six points on the principal axes with the mass, the centre of mass and the inertia of the segment.
@@ -61,7 +61,8 @@ using Points = Eigen::Matrix<double, 3, 12>;
 /// Where the point masses are; rotations by Eigen, not by the library.
 Points positions(const ArmModel& arm, const Vec4& q) {
   const Mat3 R = (Eigen::AngleAxisd(q[kEta], Vec3::UnitZ()) * Eigen::AngleAxisd(q[kTheta], Vec3::UnitX()) *
-                  Eigen::AngleAxisd(q[kZeta], Vec3::UnitZ())).toRotationMatrix();
+                  Eigen::AngleAxisd(q[kZeta], Vec3::UnitZ()))
+                     .toRotationMatrix();
   const Mat3 R_F = R * Eigen::AngleAxisd(q[kPhi], Vec3::UnitX()).toRotationMatrix();
   const Vec3 shoulder = arm.moving_shoulder ? arm.rhythm.position(R.col(2)) : Vec3(Vec3::Zero());
   const Vec3 elbow = shoulder - arm.upper_arm.length_m * R.col(2);
@@ -77,7 +78,8 @@ double kinetic_energy(const ArmModel& arm, const Vec4& q, const Vec4& v) {
   double energy = 0.0;
   Eigen::Index k = 0;
   for (const Segment* segment : {&arm.upper_arm, &arm.forearm}) {
-    for (const PointMass& point : point_masses(*segment)) energy += 0.5 * point.mass_kg * velocity.col(k++).squaredNorm();
+    for (const PointMass& point : point_masses(*segment))
+      energy += 0.5 * point.mass_kg * velocity.col(k++).squaredNorm();
   }
   return energy;
 }
@@ -103,7 +105,7 @@ TEST_P(ArmMetricWith, IsSymmetricPositiveDefiniteInsideTheLimits) {
     const Mat4 M = mass_matrix(arm, q);
     ASSERT_EQ(M, M.transpose());
     const double least = Eigen::SelfAdjointEigenSolver<Mat4>(M, Eigen::EigenvaluesOnly).eigenvalues()[0];
-    ASSERT_GT(least, 1e-4) << q.transpose();   // kg.m2; 4e-4 is the least known at theta = 5 deg
+    ASSERT_GT(least, 1e-4) << q.transpose();  // kg.m2; 4e-4 is the least known at theta = 5 deg
   }
 }
 
@@ -199,8 +201,7 @@ TEST_P(ArmMetricWith, GeodesicAccelerationIsTheSameInBodyRatesAndInTheChart) {
     const auto body_rates = [&](double t) -> Vec4 { return rate_map(q + t * v + 0.5 * t * t * a) * (v + t * a); };
     const Vec4 expected = derivative_at_zero(body_rates);
     const Vec4 rates = body_rates(0.0);
-    const PostureRates out =
-        geodesic_acceleration(arm, posture_from_angles(q), {rates.head<3>(), rates[3]});
+    const PostureRates out = geodesic_acceleration(arm, posture_from_angles(q), {rates.head<3>(), rates[3]});
     // Twice-differenced rounding, 1e-12/h, and accelerations up to 1/sin(theta).
     EXPECT_TRUE(near(out.w_TU_U, expected.head<3>(), 1e-8));
     EXPECT_NEAR(out.phi, expected[3], 1e-8);
@@ -263,7 +264,8 @@ TEST(ArmMetric, IsCheaperForTheAxialRotationThanForTheSwing) {
   const Segment& f = arm.forearm;
   EXPECT_NEAR(M(2, 2), u.inertia_kg_m2.z() + f.inertia_kg_m2.z(), 1e-15);
   const double reach = u.length_m + f.com_m;
-  EXPECT_NEAR(M(0, 0), u.inertia_kg_m2.x() + u.mass_kg * u.com_m * u.com_m + f.inertia_kg_m2.x() + f.mass_kg * reach * reach,
+  EXPECT_NEAR(M(0, 0),
+              u.inertia_kg_m2.x() + u.mass_kg * u.com_m * u.com_m + f.inertia_kg_m2.x() + f.mass_kg * reach * reach,
               1e-14);
   EXPECT_NEAR(M(3, 3), f.inertia_kg_m2.x() + f.mass_kg * f.com_m * f.com_m, 1e-15);
 }

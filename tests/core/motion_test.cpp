@@ -130,7 +130,8 @@ TEST(Motion, KineticEnergyFollowsTheMinimumJerkOfTheArcLength) {
   for (double t = 0.1; t < 1.5; t += 0.2) {
     const MotionSample s = sample_at(motion, t);
     const double u = t / kDuration;
-    const double lambda = u * u * u * (10.0 - 15.0 * u + 6.0 * u * u), rate = 30.0 * u * u * (1.0 - u) * (1.0 - u) / kDuration;
+    const double lambda = u * u * u * (10.0 - 15.0 * u + 6.0 * u * u),
+                 rate = 30.0 * u * u * (1.0 - u) * (1.0 - u) / kDuration;
     EXPECT_NEAR(s.progress, lambda, 1e-14);
     const double energy = 0.5 * s.dq.dot(mass_matrix(motion.arm(), s.q) * s.dq);
     EXPECT_NEAR(energy, s.energy * rate * rate, 1e-6 * s.energy * rate * rate);  // the path's tail of 1e-6
@@ -590,7 +591,7 @@ TEST(Motion, IsAnchoredAtAMeasuredShoulder) {
 struct BadSettings {
   const char* name;
   void (*change)(MotionSettings&);
-  const char* named;   ///< what the message must contain
+  const char* named;  ///< what the message must contain
 };
 
 class BadInput : public testing::TestWithParam<BadSettings> {};
@@ -604,7 +605,8 @@ INSTANTIATE_TEST_SUITE_P(
                     BadSettings{"gain", [](MotionSettings& s) { s.rhythm.gain = 2.0; }, "gain"},
                     BadSettings{"limits", [](MotionSettings& s) { s.limits.lower[1] = 2.0; }, "limits"},
                     BadSettings{"length", [](MotionSettings& s) { s.subject.forearm_length_m = -0.2; }, "forearm"},
-                    BadSettings{"shoulder", [](MotionSettings& s) { s.shoulder_start_m = Vec3(0.1, std::nan(""), 0.0); }, "shoulder"},
+                    BadSettings{"shoulder", [](MotionSettings& s) { s.shoulder_start_m = Vec3(0.1, std::nan(""), 0.0); },
+                                "shoulder"},
                     BadSettings{"mode", [](MotionSettings& s) { s.swivel_mode = static_cast<SwivelMode>(9); }, "swivel"},
                     BadSettings{"timing", [](MotionSettings& s) { s.timing = static_cast<TimingLaw>(9); }, "timing"}),
     [](const auto& c) { return std::string(c.param.name); });

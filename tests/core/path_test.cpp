@@ -89,7 +89,8 @@ TEST_P(PathOrder, ConvergesSpectrallyToWhatItInterpolates) {
 
 TEST_P(PathOrder, HasTheDerivativesOfItsOwnValues) {
   const GeodesicPath path = turning_path(GetParam());
-  constexpr double h = 1e-5;  // central differences: truncation h^2 f'''/6 < 1e-9, rounding 1e-15/h < 1e-9 with f''' of order 10
+  constexpr double
+      h = 1e-5;  // central differences: truncation h^2 f'''/6 < 1e-9, rounding 1e-15/h < 1e-9 with f''' of order 10
   for (const double lambda : {0.1, 0.45, 0.9}) {
     PostureJet low, middle, high;
     evaluate_path(path, lambda - h, low);
@@ -129,7 +130,8 @@ TEST(Path, ConstantOneStays) {
   for (const double lambda : {0.0, 0.4, 1.0}) {
     evaluate_path(path, lambda, jet);
     EXPECT_EQ(posture_distance(posture_of(jet), posture), 0.0);
-    EXPECT_EQ(jet.dx.norm() + jet.dz.norm() + jet.ddx.norm() + jet.ddz.norm() + std::abs(jet.dphi) + std::abs(jet.ddphi), 0.0);
+    EXPECT_EQ(
+        jet.dx.norm() + jet.dz.norm() + jet.ddx.norm() + jet.ddz.norm() + std::abs(jet.dphi) + std::abs(jet.ddphi), 0.0);
   }
 }
 

@@ -13,7 +13,7 @@
 namespace glenoid::test {
 namespace {
 
-constexpr double kDistance = 0.17;   // d_0, m
+constexpr double kDistance = 0.17;  // d_0, m
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 
 /// z_TU of an arm elevated by theta in the plane eta.
@@ -21,7 +21,8 @@ Vec3 direction(double theta, double eta) {
   return {std::sin(eta) * std::sin(theta), -std::cos(eta) * std::sin(theta), std::cos(theta)};
 }
 
-Rhythm rhythm_with(double smoothing_rad, RhythmModel model = RhythmModel::SoltaniZarrin2017, double distance = kDistance) {
+Rhythm rhythm_with(double smoothing_rad, RhythmModel model = RhythmModel::SoltaniZarrin2017,
+                   double distance = kDistance) {
   return Rhythm({model, 1.0, smoothing_rad}, distance);
 }
 
@@ -29,7 +30,7 @@ Rhythm rhythm_with(double smoothing_rad, RhythmModel model = RhythmModel::Soltan
 
 struct TableRow {
   double theta_deg, phi_ed_deg, phi_pr_deg, length_ratio;
-  Vec3 displacement_cm;   // lateral, forward, up; d_0 = 0.20 m
+  Vec3 displacement_cm;  // lateral, forward, up; d_0 = 0.20 m
 };
 
 class PublishedCurve : public testing::TestWithParam<TableRow> {};
@@ -46,13 +47,13 @@ TEST_P(PublishedCurve, IsReproducedToItsPrintedDigits) {
   EXPECT_TRUE(near(displacement, 0.01 * row.displacement_cm, 1e-4));
 }
 
-INSTANTIATE_TEST_SUITE_P(Rows, PublishedCurve, testing::Values(
-    TableRow{0, 0.71, 0.00, 1.000, {0, 0, 0}},
-    TableRow{30, 1.40, -4.04, 0.995, {-0.16, -1.40, 0.24}},
-    TableRow{60, 10.01, -10.94, 0.960, {-1.43, -3.59, 3.09}},
-    TableRow{90, 21.83, -19.13, 0.897, {-4.26, -5.46, 6.43}},
-    TableRow{120, 32.51, -27.05, 0.806, {-7.90, -6.18, 8.41}},
-    TableRow{150, 42.42, -33.12, 0.685, {-11.53, -5.53, 9.00}}));
+INSTANTIATE_TEST_SUITE_P(Rows, PublishedCurve,
+                         testing::Values(TableRow{0, 0.71, 0.00, 1.000, {0, 0, 0}},
+                                         TableRow{30, 1.40, -4.04, 0.995, {-0.16, -1.40, 0.24}},
+                                         TableRow{60, 10.01, -10.94, 0.960, {-1.43, -3.59, 3.09}},
+                                         TableRow{90, 21.83, -19.13, 0.897, {-4.26, -5.46, 6.43}},
+                                         TableRow{120, 32.51, -27.05, 0.806, {-7.90, -6.18, 8.41}},
+                                         TableRow{150, 42.42, -33.12, 0.685, {-11.53, -5.53, 9.00}}));
 
 TEST(Rhythm, PublishedCurveDipsAndStretchesWhereItsSourceSays) {
   // Quirks of the polynomials: least elevation -0.158 deg at 12.7 deg; longest d_SG 1.0014 d_0 at 9.4 deg.
@@ -90,13 +91,14 @@ Vec3 acceleration(const Rhythm& rhythm, const GreatCircle& circle) {
   RhythmJet jet;
   rhythm.evaluate(circle.start, jet);
   Vec3 out = jet.J_z * -circle.start;
-  for (std::size_t i = 0; i < 3; ++i) out[static_cast<Eigen::Index>(i)] += circle.tangent.dot(jet.H_z[i] * circle.tangent);
+  for (std::size_t i = 0; i < 3; ++i)
+    out[static_cast<Eigen::Index>(i)] += circle.tangent.dot(jet.H_z[i] * circle.tangent);
   return out;
 }
 
 struct Difference {
   Vec3 value;
-  double error;   ///< bound
+  double error;  ///< bound
 };
 
 /// Central difference of fourth order; the difference to twice the step is 15 times the truncation error that is left.
@@ -108,7 +110,7 @@ Difference differentiate(const Function& f, double scale) {
   };
   const Vec3 fine = central(h);
   const double truncation = max_difference(fine, central(2.0 * h)) / 15.0;
-  const double rounding = 16.0 * kEps * scale * 18.0 / (12.0 * h);   // f to 16 eps of its size; weights add up to 18
+  const double rounding = 16.0 * kEps * scale * 18.0 / (12.0 * h);  // f to 16 eps of its size; weights add up to 18
   return {fine, 4.0 * truncation + rounding};
 }
 
@@ -124,8 +126,9 @@ TEST_P(RhythmDerivatives, AreThoseOfTheValue) {
   const DerivativeCase& c = GetParam();
   const Rhythm rhythm = rhythm_with(c.smoothing_rad, c.model);
   for (const double eta : {-2.0, 0.4}) {
-    for (const double along : {0.0, 0.7, 0.5 * kPi}) {   // raising the arm, turning it sideways, and between
-      const Vec3 up(std::sin(eta) * std::cos(c.theta_rad), -std::cos(eta) * std::cos(c.theta_rad), -std::sin(c.theta_rad));
+    for (const double along : {0.0, 0.7, 0.5 * kPi}) {  // raising the arm, turning it sideways, and between
+      const Vec3 up(std::sin(eta) * std::cos(c.theta_rad), -std::cos(eta) * std::cos(c.theta_rad),
+                    -std::sin(c.theta_rad));
       const Vec3 sideways(std::cos(eta), std::sin(eta), 0.0);
       const GreatCircle circle{direction(c.theta_rad, eta), std::cos(along) * up + std::sin(along) * sideways};
       const Difference first = differentiate([&](double s) { return rhythm.position(circle.z(s)); }, kDistance);
@@ -140,7 +143,7 @@ TEST_P(RhythmDerivatives, AreThoseOfTheValue) {
 
 std::vector<DerivativeCase> derivative_cases() {
   std::vector<DerivativeCase> cases;
-  const double degrees_list[] = {5, 11.4, 11.5, 30, 34.3, 34.4, 60, 90, 120, 150};   // around the switches of the series
+  const double degrees_list[] = {5, 11.4, 11.5, 30, 34.3, 34.4, 60, 90, 120, 150};  // around the switches of the series
   for (const double smoothing : {0.05, 0.1, 0.3}) {
     for (const double theta : {0.0, 1e-8, 1e-5, 1e-3, 0.5 * smoothing, 6.0 * smoothing}) {
       cases.push_back({theta, smoothing, RhythmModel::SoltaniZarrin2017});
@@ -149,7 +152,7 @@ std::vector<DerivativeCase> derivative_cases() {
       cases.push_back({degrees * kDegree, smoothing, RhythmModel::SoltaniZarrin2017});
     }
   }
-  for (const double degrees : degrees_list) {   // the bare polynomial has a cone at 0
+  for (const double degrees : degrees_list) {  // the bare polynomial has a cone at 0
     cases.push_back({degrees * kDegree, 0.0, RhythmModel::SoltaniZarrin2017});
     cases.push_back({degrees * kDegree, 0.1, RhythmModel::Measured});
     cases.push_back({degrees * kDegree, 0.1, RhythmModel::Fixed});
@@ -167,12 +170,14 @@ TEST_P(RhythmSmoothness, NoStepAnywhereInTheValue) {
   const double smoothing = GetParam();
   const Rhythm rhythm = rhythm_with(smoothing);
   constexpr double h = 2e-5;
-  const double tolerance = std::pow(h, 4) * 50.0 * 0.15 * kDistance / std::pow(smoothing, 3) / 12.0 + 8.0 * kEps * kDistance;
+  const double tolerance = std::pow(h, 4) * 50.0 * 0.15 * kDistance / std::pow(smoothing, 3) / 12.0 +
+                           8.0 * kEps * kDistance;
   int worst_at = 0;
   double worst = 0.0;
-  for (int k = 1; k < 100000; ++k) {   // to 2 rad: beyond the last switch of the series
+  for (int k = 1; k < 100000; ++k) {  // to 2 rad: beyond the last switch of the series
     const GreatCircle circle{direction(k * h, 0.0), Vec3(0.0, -std::cos(k * h), -std::sin(k * h))};
-    const Vec3 second = rhythm.position(circle.z(h)) - 2.0 * rhythm.position(circle.start) + rhythm.position(circle.z(-h));
+    const Vec3 second = rhythm.position(circle.z(h)) - 2.0 * rhythm.position(circle.start) +
+                        rhythm.position(circle.z(-h));
     const double excess = max_difference(second, h * h * acceleration(rhythm, circle));
     if (excess > worst) worst = excess, worst_at = k;
   }
@@ -304,7 +309,7 @@ TEST_P(RhythmOfModel, IsFiniteForEveryDirection) {
   for (const double smoothing : {0.0, 0.1}) {
     const Rhythm rhythm({GetParam(), 1.5, smoothing}, kDistance);
     for (const double theta : {0.0, 1e-300, 1e-12, 1e-8, 1.0, kPi - 1e-8, kPi}) {
-      for (const double scale : {1.0 - 4.0 * kEps, 1.0, 1.0 + 4.0 * kEps}) {   // unit vectors as rounding leaves them
+      for (const double scale : {1.0 - 4.0 * kEps, 1.0, 1.0 + 4.0 * kEps}) {  // unit vectors as rounding leaves them
         RhythmJet jet;
         rhythm.evaluate(scale * direction(theta, 0.5), jet);
         EXPECT_TRUE(jet.p_TS.allFinite() && jet.J_z.allFinite()) << theta;
@@ -320,7 +325,7 @@ INSTANTIATE_TEST_SUITE_P(Models, RhythmOfModel,
 TEST(Rhythm, RaisingTheArmRaisesTheShoulder) {
   for (const RhythmModel model : {RhythmModel::SoltaniZarrin2017, RhythmModel::Measured}) {
     const Rhythm rhythm = rhythm_with(0.1, model);
-    for (const double eta : {-0.5 * kPi, 0.0}) {   // abduction, flexion
+    for (const double eta : {-0.5 * kPi, 0.0}) {  // abduction, flexion
       EXPECT_GT(rhythm.position(direction(0.5 * kPi, eta)).z(), rhythm.position(Vec3::UnitZ()).z() + 0.01);
     }
   }
@@ -362,13 +367,17 @@ TEST_P(RhythmRefuses, WithItsName) {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr RhythmModel kModel = RhythmModel::SoltaniZarrin2017;
 
-INSTANTIATE_TEST_SUITE_P(Each, RhythmRefuses, testing::Values(
-    BadRhythm{"rhythm.gain", {kModel, -0.1, 0.1}, 0.17}, BadRhythm{"rhythm.gain", {kModel, 1.6, 0.1}, 0.17},
-    BadRhythm{"rhythm.gain", {kModel, kNaN, 0.1}, 0.17}, BadRhythm{"rhythm.smoothing", {kModel, 1.0, -0.1}, 0.17},
-    BadRhythm{"rhythm.smoothing", {kModel, 1.0, 0.31}, 0.17}, BadRhythm{"rhythm.smoothing", {kModel, 1.0, kNaN}, 0.17},
-    BadRhythm{"rhythm.model", {static_cast<RhythmModel>(0), 1.0, 0.1}, 0.17},
-    BadRhythm{"rhythm.model", {static_cast<RhythmModel>(4), 1.0, 0.1}, 0.17},
-    BadRhythm{"shoulder distance", {kModel, 1.0, 0.1}, 0.0}, BadRhythm{"shoulder distance", {kModel, 1.0, 0.1}, kNaN}));
+INSTANTIATE_TEST_SUITE_P(Each, RhythmRefuses,
+                         testing::Values(BadRhythm{"rhythm.gain", {kModel, -0.1, 0.1}, 0.17},
+                                         BadRhythm{"rhythm.gain", {kModel, 1.6, 0.1}, 0.17},
+                                         BadRhythm{"rhythm.gain", {kModel, kNaN, 0.1}, 0.17},
+                                         BadRhythm{"rhythm.smoothing", {kModel, 1.0, -0.1}, 0.17},
+                                         BadRhythm{"rhythm.smoothing", {kModel, 1.0, 0.31}, 0.17},
+                                         BadRhythm{"rhythm.smoothing", {kModel, 1.0, kNaN}, 0.17},
+                                         BadRhythm{"rhythm.model", {static_cast<RhythmModel>(0), 1.0, 0.1}, 0.17},
+                                         BadRhythm{"rhythm.model", {static_cast<RhythmModel>(4), 1.0, 0.1}, 0.17},
+                                         BadRhythm{"shoulder distance", {kModel, 1.0, 0.1}, 0.0},
+                                         BadRhythm{"shoulder distance", {kModel, 1.0, 0.1}, kNaN}));
 
 }  // namespace
 }  // namespace glenoid::test

@@ -15,7 +15,7 @@ namespace {
 double half_digit(int decimals) { return 0.5 * std::pow(10.0, -decimals); }
 
 TEST(Subject, CheckSubjectHasThePrintedFigures) {
-  const ScaledArm arm = scale_subject(Subject());   // 1.75 m, 75 kg, male
+  const ScaledArm arm = scale_subject(Subject());  // 1.75 m, 75 kg, male
   EXPECT_NEAR(arm.upper_arm.length_m, 0.2832, half_digit(4));
   EXPECT_NEAR(arm.forearm.length_m, 0.2703, half_digit(4));
   EXPECT_NEAR(arm.upper_arm.mass_kg, 2.0325, 1e-12);
@@ -101,7 +101,7 @@ TEST(Subject, GivenFiguresAreTakenAsTheyAre) {
   subject.upper_arm_mass_kg = 3.0;
   subject.forearm_mass_kg = 2.0;
   subject.upper_arm_com_m = 0.15;
-  subject.forearm_com_m = 0.26;   // a load in the hand: beyond the wrist
+  subject.forearm_com_m = 0.26;  // a load in the hand: beyond the wrist
   subject.upper_arm_inertia_kg_m2 = Vec3(0.01, 0.011, 0.003);
   subject.forearm_inertia_kg_m2 = Vec3(0.02, 0.021, 0.002);
   const ScaledArm arm = scale_subject(subject);
@@ -126,7 +126,7 @@ TEST(Subject, ReportNamesEveryFigureOnceWithItsSource) {
   Subject subject;
   subject.forearm_length_m = 0.25;
   const ScaledArm arm = scale_subject(subject);
-  ASSERT_EQ(arm.report.size(), 13u);   // per segment: length, mass, com, three moments; and d_0
+  ASSERT_EQ(arm.report.size(), 13u);  // per segment: length, mass, com, three moments; and d_0
   int given = 0;
   for (const ScalingEntry& entry : arm.report) {
     EXPECT_FALSE(entry.name.empty());
@@ -183,19 +183,21 @@ TEST_P(SubjectRefuses, WithNameAndRule) {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-INSTANTIATE_TEST_SUITE_P(Each, SubjectRefuses, testing::Values(
-    BadSubject{"subject.stature", [](Subject& s) { s.stature_m = 0.49; }},
-    BadSubject{"subject.stature", [](Subject& s) { s.stature_m = kNaN; }},
-    BadSubject{"subject.mass", [](Subject& s) { s.mass_kg = 401.0; }},
-    BadSubject{"subject.mass", [](Subject& s) { s.mass_kg = kInfinity; }},
-    BadSubject{"upper_arm.length", [](Subject& s) { s.upper_arm_length_m = -0.3; }},
-    BadSubject{"forearm.length", [](Subject& s) { s.forearm_length_m = kInfinity; }},
-    BadSubject{"shoulder_distance", [](Subject& s) { s.shoulder_distance_m = 0.0; }},
-    BadSubject{"forearm.mass", [](Subject& s) { s.forearm_mass_kg = kNaN; }},
-    BadSubject{"upper_arm.com", [](Subject& s) { s.upper_arm_com_m = 0.5; }},
-    BadSubject{"forearm.com", [](Subject& s) { s.forearm_com_m = -0.1; }},
-    BadSubject{"upper_arm.inertia[z]", [](Subject& s) { s.upper_arm_inertia_kg_m2 = Vec3(0.01, 0.01, 0.0); }},
-    BadSubject{"forearm.inertia[x]", [](Subject& s) { s.forearm_inertia_kg_m2 = Vec3(kNaN, 0.01, 0.01); }}));
+INSTANTIATE_TEST_SUITE_P(
+    Each, SubjectRefuses,
+    testing::Values(
+        BadSubject{"subject.stature", [](Subject& s) { s.stature_m = 0.49; }},
+        BadSubject{"subject.stature", [](Subject& s) { s.stature_m = kNaN; }},
+        BadSubject{"subject.mass", [](Subject& s) { s.mass_kg = 401.0; }},
+        BadSubject{"subject.mass", [](Subject& s) { s.mass_kg = kInfinity; }},
+        BadSubject{"upper_arm.length", [](Subject& s) { s.upper_arm_length_m = -0.3; }},
+        BadSubject{"forearm.length", [](Subject& s) { s.forearm_length_m = kInfinity; }},
+        BadSubject{"shoulder_distance", [](Subject& s) { s.shoulder_distance_m = 0.0; }},
+        BadSubject{"forearm.mass", [](Subject& s) { s.forearm_mass_kg = kNaN; }},
+        BadSubject{"upper_arm.com", [](Subject& s) { s.upper_arm_com_m = 0.5; }},
+        BadSubject{"forearm.com", [](Subject& s) { s.forearm_com_m = -0.1; }},
+        BadSubject{"upper_arm.inertia[z]", [](Subject& s) { s.upper_arm_inertia_kg_m2 = Vec3(0.01, 0.01, 0.0); }},
+        BadSubject{"forearm.inertia[x]", [](Subject& s) { s.forearm_inertia_kg_m2 = Vec3(kNaN, 0.01, 0.01); }}));
 
 }  // namespace
 }  // namespace glenoid::test

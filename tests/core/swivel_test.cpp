@@ -23,7 +23,8 @@ Vec4 self_motion(const ArmModel& arm, const Posture& posture) {
   Eigen::Matrix<double, 3, 4> J;
   for (int k = 0; k < 4; ++k) {
     J.col(k) = (forward_kinematics(arm, displaced(posture, h * Vec4::Unit(k))).wrist -
-                forward_kinematics(arm, displaced(posture, -h * Vec4::Unit(k))).wrist) / (2.0 * h);
+                forward_kinematics(arm, displaced(posture, -h * Vec4::Unit(k))).wrist) /
+               (2.0 * h);
   }
   Vec4 null;
   for (int k = 0; k < 4; ++k) {
@@ -130,7 +131,8 @@ TEST_P(RandomReach, IsTheSameBitForBitWhateverWasPlannedBefore) {
   ASSERT_EQ(fresh.plan_minimum_energy(task_.arm, task_.start, task_.target, again), Status::Ok);
   ASSERT_EQ(again.path.order, plan_.path.order);
   EXPECT_EQ(std::memcmp(again.path.nodes.data(), plan_.path.nodes.data(),
-                        sizeof(Posture) * static_cast<std::size_t>(plan_.path.order + 1)), 0);
+                        sizeof(Posture) * static_cast<std::size_t>(plan_.path.order + 1)),
+            0);
   EXPECT_EQ(again.swivel_rad, plan_.swivel_rad);
   EXPECT_EQ(again.path.energy, plan_.path.energy);
 }
@@ -291,7 +293,8 @@ TEST(MinimumEnergy, NamesAnUnreachableTargetWithItsDistance) {
   }
   // Too near: closer than the difference of the segments.
   const double hole = std::abs(arm.upper_arm.length_m - arm.forearm.length_m);
-  EXPECT_EQ(planner.plan_minimum_energy(arm, start, shoulder + 0.5 * hole * Vec3::UnitY(), plan), Status::TargetUnreachable);
+  EXPECT_EQ(planner.plan_minimum_energy(arm, start, shoulder + 0.5 * hole * Vec3::UnitY(), plan),
+            Status::TargetUnreachable);
   EXPECT_LT(plan.reach_margin_m, 0.0);
 }
 

@@ -23,7 +23,7 @@ Differences differences(const Law& law, double t, double h) {
           (8.0 * (rate(1) - rate(-1)) - (rate(2) - rate(-2))) / (12.0 * h)};
 }
 
-constexpr double kDuration = 1.75, kStart = 0.5;   // exact in binary: start + duration is the end, to the last bit
+constexpr double kDuration = 1.75, kStart = 0.5;  // exact in binary: start + duration is the end, to the last bit
 constexpr double kStep = 1e-3 * kDuration;
 // h^4 f^(5)/30 with f^(5) = 720/duration^5, and rounding of 1e-15/h; in units of value per duration.
 constexpr double kDifferenceError = 3e-11;
@@ -49,7 +49,8 @@ TEST(MinimumJerk, IsSymmetricAndRises) {
     EXPECT_NEAR(s.d2, -mirrored.d2, 1e-12);
     before = s.value;
   }
-  EXPECT_NEAR(minimum_jerk(kStart + 0.5 * kDuration, kStart, kDuration).d1, 1.875 / kDuration, 1e-15) << "peak to mean speed";
+  EXPECT_NEAR(minimum_jerk(kStart + 0.5 * kDuration, kStart, kDuration).d1, 1.875 / kDuration, 1e-15)
+      << "peak to mean speed";
 }
 
 TEST(MinimumJerk, DerivativesAreThoseOfTheValue) {

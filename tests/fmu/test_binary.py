@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+import xml.etree.ElementTree as ET
 import zipfile
 from pathlib import Path
 
@@ -136,15 +137,28 @@ def test_the_same_input_packs_to_the_same_bytes(build_folder, tmp_path):
         assert filecmp.cmp(build_folder / name, tmp_path / name, shallow=False), name
 
 
+def test_both_archives_hold_the_same_sources(archives):
+    two, three = (
+        {p.relative_to(a.folder): p.read_bytes() for p in (a.folder / "sources").rglob("*.*")}
+        for a in archives.values()
+    )
+    assert two == three
+    listed = {file.attrib["name"] for file in archives["fmi2"].root.iter("File")}
+    build = ET.parse(archives["fmi3"].folder / "sources/buildDescription.xml")
+    assert listed == {file.attrib["name"] for file in build.iter("SourceFile")}
+
+
 @pytest.mark.skipif(shutil.which("cmake") is None, reason="fmpy compile needs cmake")
-def test_shipped_sources_compile_and_give_the_same_numbers(archive, tmp_path):
+def test_shipped_sources_compile_and_give_the_same_numbers(archives, tmp_path, monkeypatch):
     import fmpy.build
 
+    archive = archives["fmi3"]
     folder = tmp_path / "sources only"
     shutil.copytree(archive.folder, folder)
     shutil.rmtree(folder / "binaries")
     build = tmp_path / "build"
     build.mkdir()
+    monkeypatch.setenv("CMAKE_BUILD_PARALLEL_LEVEL", "2")
     fmpy.build.build_platform_binary(folder, build)
     (library,) = folder.glob("binaries/*/*.so")
     compiled = fmu_driver.Archive(archive.path, tmp_path / "again", library=library)

@@ -11,11 +11,13 @@ namespace {
 bool all_finite(const Posture& posture) { return posture.R_TU.allFinite() && std::isfinite(posture.phi); }
 
 bool all_finite(const ReachPlan& plan) {
-  bool finite = std::isfinite(plan.path.energy) && std::isfinite(plan.swivel_rad) && std::isfinite(plan.reach_margin_m) &&
-                std::isfinite(plan.best_margin.margin_rad) && std::isfinite(plan.certificate.spectral_tail) &&
-                std::isfinite(plan.certificate.speed_variation) && std::isfinite(plan.certificate.transversality) &&
-                std::isfinite(plan.certificate.gradient) && std::isfinite(plan.certificate.hand_error_m);
-  for (int k = 0; k <= plan.path.order; ++k) finite = finite && all_finite(plan.path.nodes[static_cast<std::size_t>(k)]);
+  bool finite = std::isfinite(plan.path.energy) && std::isfinite(plan.swivel_rad) &&
+                std::isfinite(plan.reach_margin_m) && std::isfinite(plan.best_margin.margin_rad) &&
+                std::isfinite(plan.certificate.spectral_tail) && std::isfinite(plan.certificate.speed_variation) &&
+                std::isfinite(plan.certificate.transversality) && std::isfinite(plan.certificate.gradient) &&
+                std::isfinite(plan.certificate.hand_error_m);
+  for (int k = 0; k <= plan.path.order; ++k)
+    finite = finite && all_finite(plan.path.nodes[static_cast<std::size_t>(k)]);
   PostureJet jet;
   for (const double lambda : {0.0, 0.3, 1.0}) {
     evaluate_path(plan.path, lambda, jet);
@@ -28,7 +30,8 @@ bool all_finite(const ReachPlan& plan) {
 std::string flaw(const ReachTask& task, const ReachPlan& plan, double own_energy) {
   const Posture& first = plan.path.nodes[0];
   const Posture& last = plan.path.nodes[static_cast<std::size_t>(plan.path.order)];
-  if ((first.R_TU - task.start.R_TU).norm() + std::abs(first.phi - task.start.phi) > 1e-9) return "does not begin at the start";
+  if ((first.R_TU - task.start.R_TU).norm() + std::abs(first.phi - task.start.phi) > 1e-9)
+    return "does not begin at the start";
   if ((last.R_TU.transpose() * last.R_TU - Mat3::Identity()).norm() > 1e-9) return "end is not a rotation";
   const double hand_error = (forward_kinematics(task.arm, last).wrist - task.target).norm();
   if (hand_error > 1e-8) return "hand misses by " + std::to_string(hand_error) + " m";
@@ -63,8 +66,9 @@ Verdict judge_refusal(const Reference& reference, Status status) {
 }  // namespace
 
 const char* to_string(Verdict verdict) noexcept {
-  constexpr const char* names[kVerdicts] = {"solved", "infeasible named", "MISS", "FALSE INFEASIBLE",
-                                            "narrow arc refused", "FALSE FEASIBLE", "NOT FINITE", "NO CONVERGENCE"};
+  constexpr const char* names[kVerdicts] = {"solved",           "infeasible named",   "MISS",
+                                            "FALSE INFEASIBLE", "narrow arc refused", "FALSE FEASIBLE",
+                                            "NOT FINITE",       "NO CONVERGENCE"};
   return names[static_cast<int>(verdict)];
 }
 

@@ -9,8 +9,14 @@
 namespace glenoid::test {
 
 enum class Verdict {
-  Solved, InfeasibleNamed,             // right answers
-  Miss, FalseInfeasible, NarrowRefused, FalseFeasible, NotFinite, NoConvergence,
+  Solved,
+  InfeasibleNamed,  // right answers
+  Miss,
+  FalseInfeasible,
+  NarrowRefused,
+  FalseFeasible,
+  NotFinite,
+  NoConvergence,
 };
 inline constexpr int kVerdicts = 8;
 const char* to_string(Verdict verdict) noexcept;
@@ -18,7 +24,7 @@ const char* to_string(Verdict verdict) noexcept;
 struct Judgement {
   Verdict verdict = Verdict::Solved;
   Status status = Status::Ok;
-  double excess = 0.0;      ///< (planned - reference)/reference energy
+  double excess = 0.0;  ///< (planned - reference)/reference energy
   bool leaves_limits = false;
   Reference reference;
   std::string remark;

@@ -54,13 +54,14 @@ void work(const Arguments& arguments, std::atomic<std::uint64_t>& next, std::vec
 
 void print_wrong(const Arguments& arguments, std::uint64_t index, const Judgement& result) {
   const ReachTask task = random_task(arguments.seed, index);
-  std::printf("%-18s --seed %llu --only %llu  status %s  excess %.2e  arc %d of %d  E %.9g at swivel %.2f deg  "
-              "unsolved %d  kind %d  hanging %d  target (%.4f %.4f %.4f)  %s\n",
-              to_string(result.verdict), static_cast<unsigned long long>(arguments.seed),
-              static_cast<unsigned long long>(index), glenoid::to_string(result.status), result.excess,
-              result.reference.widest_arc, arguments.sweep, result.reference.energy, result.reference.swivel_rad * 180.0 / kPi,
-              result.reference.unsolved, static_cast<int>(task.kind), task.hanging ? 1 : 0, task.target.x(),
-              task.target.y(), task.target.z(), result.remark.c_str());
+  std::printf(
+      "%-18s --seed %llu --only %llu  status %s  excess %.2e  arc %d of %d  E %.9g at swivel %.2f deg  "
+      "unsolved %d  kind %d  hanging %d  target (%.4f %.4f %.4f)  %s\n",
+      to_string(result.verdict), static_cast<unsigned long long>(arguments.seed),
+      static_cast<unsigned long long>(index), glenoid::to_string(result.status), result.excess,
+      result.reference.widest_arc, arguments.sweep, result.reference.energy, result.reference.swivel_rad * 180.0 / kPi,
+      result.reference.unsolved, static_cast<int>(task.kind), task.hanging ? 1 : 0, task.target.x(), task.target.y(),
+      task.target.z(), result.remark.c_str());
 }
 
 }  // namespace

@@ -87,8 +87,8 @@ Posture random_posture(const JointLimits& limits, TaskRandom& random, double mar
     const double margin = std::min(margin_rad, 0.4 * (limits.upper[k] - limits.lower[k]));
     angles[k] = random.uniform(limits.lower[k] + margin, limits.upper[k] - margin);
   }
-  return posture_from_angles(Vec4(angles[kLimitTheta], angles[kLimitEta], angles[kLimitTau] - angles[kLimitEta],
-                                  angles[kLimitPhi]));
+  return posture_from_angles(
+      Vec4(angles[kLimitTheta], angles[kLimitEta], angles[kLimitTau] - angles[kLimitEta], angles[kLimitPhi]));
 }
 
 ReachTask random_task(std::uint64_t seed, std::uint64_t index) {
@@ -99,8 +99,10 @@ ReachTask random_task(std::uint64_t seed, std::uint64_t index) {
   task.hanging = random.chance(0.2);
   task.start = random_start(limits, random, task.hanging);
   const double pick = random.uniform(0.0, 1.0);
-  task.kind = pick < 0.6 ? TargetKind::Posture : pick < 0.8 ? TargetKind::NearlyStraight
-            : pick < 0.9 ? TargetKind::BeyondEdge : TargetKind::Anywhere;
+  task.kind = pick < 0.6   ? TargetKind::Posture
+              : pick < 0.8 ? TargetKind::NearlyStraight
+              : pick < 0.9 ? TargetKind::BeyondEdge
+                           : TargetKind::Anywhere;
   task.known_end = random_posture(limits, random);
   if (task.kind == TargetKind::NearlyStraight || task.kind == TargetKind::BeyondEdge) {
     task.known_end.phi = elbow_in(limits, 0.0, random.uniform(0.0, 16.0) * kDegree);

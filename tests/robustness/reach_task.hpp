@@ -34,8 +34,8 @@ struct ReachTask {
   Posture start;
   Vec3 target = Vec3::Zero();
   TargetKind kind = TargetKind::Posture;
-  Posture known_end;         ///< posture that made the target; only for Posture and NearlyStraight
-  bool hanging = false;      ///< start with theta < 2 deg, half of them exactly 0
+  Posture known_end;     ///< posture that made the target; only for Posture and NearlyStraight
+  bool hanging = false;  ///< start with theta < 2 deg, half of them exactly 0
 };
 
 /// Whether known_end is a feasible answer.

@@ -15,7 +15,7 @@ struct Candidate {
   double energy = 0.0;
 };
 
-constexpr double kRivalTurn = 2.0;   // rad; beyond it the geodesic the long way round is tried, too
+constexpr double kRivalTurn = 2.0;  // rad; beyond it the geodesic the long way round is tried, too
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 double energy_at(const ArmModel& arm, const Posture& start, const Posture& end, double tail, const GeodesicPath* near,
@@ -28,7 +28,8 @@ double energy_at(const ArmModel& arm, const Posture& start, const Posture& end, 
   if (solver.solve(arm, start, end, options, near, path, certificate) == Status::Ok) energy = path.energy;
   if (near != nullptr || certificate.rotation_angle_rad < kRivalTurn) return energy;
   options.long_way = true;
-  if (solver.solve(arm, start, end, options, nullptr, path, certificate) == Status::Ok) energy = std::min(energy, path.energy);
+  if (solver.solve(arm, start, end, options, nullptr, path, certificate) == Status::Ok)
+    energy = std::min(energy, path.energy);
   return energy;
 }
 
@@ -69,7 +70,8 @@ double converged_energy(const ArmModel& arm, const Posture& start, const Posture
   return kNever;
 }
 
-Reference sweep_swivel(const ArmModel& arm, const Posture& start, const Vec3& target, int count, GeodesicSolver& solver) {
+Reference sweep_swivel(const ArmModel& arm, const Posture& start, const Vec3& target, int count,
+                       GeodesicSolver& solver) {
   Reference out;
   std::vector<Candidate> candidates;
   std::vector<bool> feasible(static_cast<std::size_t>(count), false);
@@ -83,8 +85,10 @@ Reference sweep_swivel(const ArmModel& arm, const Posture& start, const Vec3& ta
       if (limit_margin(arm.limits, end).margin_rad < 0.0) continue;
       feasible[static_cast<std::size_t>(i)] = true;
       const double energy = energy_at(arm, start, end, 1e-3, nullptr, solver);
-      if (energy < kNever) candidates.push_back({end, swivel, energy});
-      else ++out.unsolved;
+      if (energy < kNever)
+        candidates.push_back({end, swivel, energy});
+      else
+        ++out.unsolved;
     }
   }
   out.widest_arc = longest_cyclic_run(feasible);

@@ -8,10 +8,10 @@ namespace glenoid::test {
 struct Reference {
   bool reachable = false;
   bool feasible = false;
-  int widest_arc = 0;        ///< largest number of consecutive swivel angles with a feasible posture
-  double energy = 0.0;       ///< least energy over all feasible postures, kg.m2
-  double swivel_rad = 0.0;   ///< where it is
-  int unsolved = 0;          ///< feasible postures to which no geodesic was found
+  int widest_arc = 0;       ///< largest number of consecutive swivel angles with a feasible posture
+  double energy = 0.0;      ///< least energy over all feasible postures, kg.m2
+  double swivel_rad = 0.0;  ///< where it is
+  int unsolved = 0;         ///< feasible postures to which no geodesic was found
 };
 
 /// Sweeps `count` swivel angles, all solutions of each, inside the limits; energies converged to about 1e-9 relative.

@@ -2,21 +2,22 @@
 
 #include <cstddef>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#include <sanitizer/allocator_interface.h>
-#else
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #include <cerrno>
 #endif
 
 namespace {
 
-thread_local long requests = 0;   // trivial type: its own storage is static, so that counting does not allocate
+thread_local long requests = 0;  // trivial type: its own storage is static, so that counting does not allocate
 
 }  // namespace
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 
-// A sanitizer owns malloc already: it offers hooks.
+// A sanitizer owns malloc already: it offers hooks. Its header is not in every compiler's package, so they are declared here.
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*allocated)(const volatile void* memory, std::size_t size),
+                                                         void (*freed)(const volatile void* memory));
+
 namespace {
 
 void count_request(const volatile void* /*memory*/, std::size_t /*size*/) { ++requests; }

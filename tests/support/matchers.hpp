@@ -21,7 +21,8 @@ testing::AssertionResult near(const Eigen::MatrixBase<A>& a, const Eigen::Matrix
   const double difference = max_difference(a, b);
   if (difference <= tolerance) return testing::AssertionSuccess();
   return testing::AssertionFailure() << "differ by " << difference << ", allowed " << tolerance << ":\n"
-                                     << a << "\nand\n" << b;
+                                     << a << "\nand\n"
+                                     << b;
 }
 
 /// Text of the std::invalid_argument that the action throws; "" if it throws none.

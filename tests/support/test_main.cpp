@@ -10,8 +10,7 @@ namespace {
 class SeedReporter : public testing::EmptyTestEventListener {
   void OnTestEnd(const testing::TestInfo& info) override {
     if (!info.result()->Failed()) return;
-    std::printf("GLENOID_TEST_SEED=%llu reproduces this\n",
-                static_cast<unsigned long long>(glenoid::test::test_seed()));
+    std::printf("GLENOID_TEST_SEED=%llu reproduces this\n", static_cast<unsigned long long>(glenoid::test::test_seed()));
   }
 };
 
@@ -19,6 +18,6 @@ class SeedReporter : public testing::EmptyTestEventListener {
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
-  testing::UnitTest::GetInstance()->listeners().Append(new SeedReporter);   // gtest owns it
+  testing::UnitTest::GetInstance()->listeners().Append(new SeedReporter);  // gtest owns it
   return RUN_ALL_TESTS();
 }

@@ -11,33 +11,33 @@ namespace glenoid {
 /// Where a path leaves the joint limits; a geodesic knows none.
 struct LimitViolation {
   bool any = false;
-  LimitMargin worst;      ///< least margin on the way, negative = outside
-  double lambda = 0.0;    ///< where the worst is
+  LimitMargin worst;    ///< least margin on the way, negative = outside
+  double lambda = 0.0;  ///< where the worst is
 };
 
 /// What was shown about a path. It is part of every result and is never hidden from the user.
 struct Certificate {
-  double newton_step_rad = 0.0;       ///< largest nodal change of the last full Newton step
-  double gradient = 0.0;              ///< largest component of the energy gradient at the nodes, kg.m2/rad
-  bool hessian_positive = false;      ///< second variation positive definite: a strict local minimum, no conjugate point
-  double spectral_tail = 0.0;         ///< size of the last Legendre coefficients: interpolation error estimate
-  double speed_variation = 0.0;       ///< (max - min)/mean of 1/2 q'Mq' along the path; 0 in theory
-  double hand_error_m = 0.0;          ///< distance of the final wrist from the target
-  double transversality = 0.0;        ///< |cos| between the final momentum and the free direction; 0 at an interior minimum
-  bool swivel_at_limit = false;       ///< the minimum lies at a joint limit; then the energy rises into the feasible side
-  double rotation_angle_rad = 0.0;    ///< angle of R_0^T R_1
-  bool long_way = false;              ///< the path turns the other way round than the short rotation (homotopy class)
-  int order = 0;                      ///< intervals of the finest grid
-  int iterations = 0;                 ///< Newton steps over all grids
+  double newton_step_rad = 0.0;   ///< largest nodal change of the last full Newton step
+  double gradient = 0.0;          ///< largest component of the energy gradient at the nodes, kg.m2/rad
+  bool hessian_positive = false;  ///< second variation positive definite: a strict local minimum, no conjugate point
+  double spectral_tail = 0.0;     ///< size of the last Legendre coefficients: interpolation error estimate
+  double speed_variation = 0.0;   ///< (max - min)/mean of 1/2 q'Mq' along the path; 0 in theory
+  double hand_error_m = 0.0;      ///< distance of the final wrist from the target
+  double transversality = 0.0;    ///< |cos| between the final momentum and the free direction; 0 at an interior minimum
+  bool swivel_at_limit = false;   ///< the minimum lies at a joint limit; then the energy rises into the feasible side
+  double rotation_angle_rad = 0.0;  ///< angle of R_0^T R_1
+  bool long_way = false;            ///< the path turns the other way round than the short rotation (homotopy class)
+  int order = 0;                    ///< intervals of the finest grid
+  int iterations = 0;               ///< Newton steps over all grids
   LimitViolation limits;
 };
 
 struct GeodesicOptions {
-  double tail_tolerance = 1e-6;   ///< refine until spectral_tail is below this
-  int first_order = 8;            ///< grid of the first, loose solution; orders are 6, 8, 12, 16, 24, 40, 64
+  double tail_tolerance = 1e-6;  ///< refine until spectral_tail is below this
+  int first_order = 8;           ///< grid of the first, loose solution; orders are 6, 8, 12, 16, 24, 40, 64
   int max_order = kMaxPathOrder;  ///< the finest grid that may be used; up to 12 the certificate has no gradient nor speed variation
-  double step_tolerance = 1e-6;   ///< rad; a full Newton step below this ends the iteration, what is left is about its square
-  bool long_way = false;          ///< a cold start turns the long way round: the other homotopy class
+  double step_tolerance = 1e-6;  ///< rad; a full Newton step below this ends the iteration, what is left is about its square
+  bool long_way = false;         ///< a cold start turns the long way round: the other homotopy class
 };
 
 /// Rotations beyond it may have a cheaper geodesic the long way round, rad.

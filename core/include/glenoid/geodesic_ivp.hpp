@@ -10,14 +10,14 @@ namespace glenoid {
 struct FollowOptions {
   double relative_tolerance = 1e-11;
   double absolute_tolerance = 1e-12;
-  bool stiff = false;              ///< BDF instead of Adams
-  int samples = 101;               ///< uniform in lambda over [0, 1], at least 2
+  bool stiff = false;  ///< BDF instead of Adams
+  int samples = 101;   ///< uniform in lambda over [0, 1], at least 2
 };
 
 struct FollowResult {
-  std::vector<Posture> postures;   ///< at the samples
-  PostureRates end_rates;          ///< d/dlambda at lambda = 1
-  double energy_drift = 0.0;       ///< largest |E(lambda)/E(0) - 1| over the samples
+  std::vector<Posture> postures;  ///< at the samples
+  PostureRates end_rates;         ///< d/dlambda at lambda = 1
+  double energy_drift = 0.0;      ///< largest |E(lambda)/E(0) - 1| over the samples
   long steps = 0;
 };
 
@@ -28,7 +28,7 @@ struct FollowResult {
 ///
 /// @return NotFinite, OutOfRange (samples < 2), NoConvergence when the integrator stops.
 /// Allocates; not for the control loop.
-Status follow_geodesic(const ArmModel& arm, const Posture& start, const PostureRates& rates, const FollowOptions& options,
-                       FollowResult& out);
+Status follow_geodesic(const ArmModel& arm, const Posture& start, const PostureRates& rates,
+                       const FollowOptions& options, FollowResult& out);
 
 }  // namespace glenoid
