@@ -15,7 +15,8 @@ thread_local long requests = 0;  // trivial type: its own storage is static, so 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 
 // A sanitizer owns malloc already: it offers hooks. Its header is not in every compiler's package, so they are declared here.
-extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*allocated)(const volatile void* memory, std::size_t size),
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*allocated)(const volatile void* memory,
+                                                                           std::size_t size),
                                                          void (*freed)(const volatile void* memory));
 
 namespace {
