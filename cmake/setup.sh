@@ -6,7 +6,9 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 venv=$root/build/venv
 
 packages=(g++ cmake ninja-build make libeigen3-dev libsundials-dev libgtest-dev libbenchmark-dev
-          python3-venv python3-dev libxml2-utils libtbb12 valgrind ca-certificates)
+          libyaml-cpp-dev libmsgpack-cxx-dev libcli11-dev libspdlog-dev libglib2.0-0
+          python3-venv python3-dev libxml2-utils libtbb12 valgrind ca-certificates
+          iproute2 can-utils tshark user-mode-linux liblcm-dev)
 
 missing_packages() {
   local package
