@@ -1,5 +1,6 @@
-// Classic CAN frames as the bridge and the drives exchange them, whatever carries them.
 #pragma once
+
+// Classic CAN frames as the bridge and the drives exchange them, whatever carries them.
 
 #include <array>
 #include <cstdint>

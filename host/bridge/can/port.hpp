@@ -1,5 +1,6 @@
-// One CAN bus as the bridge and the drives see it: non-blocking, no retries, latest wins.
 #pragma once
+
+// One CAN bus as the bridge and the drives see it: non-blocking, no retries, latest wins.
 
 #include <cstddef>
 #include <cstdint>
