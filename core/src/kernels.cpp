@@ -164,6 +164,19 @@ void legendre_series(const double* c, int order, double x, double (*out)[8]) noe
 }
 
 GLENOID_CPU_CLONES
+void power_series(const double (*c)[4], int degree, double x, double (*out)[4]) noexcept {
+  V4 value = lanes(c[degree]), d1{}, half_d2{};
+  for (int k = degree - 1; k >= 0; --k) {
+    half_d2 = half_d2 * x + d1;
+    d1 = d1 * x + value;
+    value = value * x + lanes(c[k]);
+  }
+  lanes(out[0]) = value;
+  lanes(out[1]) = d1;
+  lanes(out[2]) = half_d2 + half_d2;
+}
+
+GLENOID_CPU_CLONES
 bool tiled_cholesky(Tile* A, int tiles) noexcept {
   double inverse[4 * 64];
   for (int i = 0; i < tiles; ++i) {

@@ -35,6 +35,9 @@ void apply_stiffness(const double* S, const double (*momentum)[kPadded], int cou
 /// coefficients of degree n at [8 n]; out[0..2] 32-byte aligned.
 void legendre_series(const double* coefficients, int order, double x, double (*out)[8]) noexcept;
 
+/// Value, first and second derivative with respect to x of four power series of degree `degree`; all 32-byte aligned.
+void power_series(const double (*coefficients)[4], int degree, double x, double (*out)[4]) noexcept;
+
 /// Factors A = L L^T in place. @return false if A is not positive definite (the content is then undefined).
 bool tiled_cholesky(Tile* A, int tiles) noexcept;
 

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "curve_table.hpp"
+
 namespace glenoid {
 namespace {
 
@@ -114,12 +116,8 @@ SineCosine small_angle(double x) {
   return {x * sine, cosine};
 }
 
-struct CentreJet {
-  Vec3 x, d1, d2;
-};
-
 /// Centre of eq. (1) per unit d_0 as a function of the (smoothed) elevation t in rad.
-CentreJet polynomial_centre(double t) {
+CurveJet polynomial_centre(double t) {
   const double degrees = t / kDegree;
   const Scalar2 ed = polynomial(kElevation, degrees);  // deg, deg/deg
   const Scalar2 pr = polynomial(kProtraction, t);      // deg, deg/rad
@@ -134,6 +132,25 @@ CentreJet polynomial_centre(double t) {
   const Vec3 e1 = a1 * e_a + b1 * e_b;
   const Vec3 e2 = a2 * e_a + b2 * e_b - a1 * a1 * e + 2.0 * a1 * b1 * e_ab + b1 * b1 * e_bb;
   return {d * e, d1 * e + d * e1, d2 * e + 2.0 * d1 * e1 + d * e2};
+}
+
+/// The same as a function of c = cos(theta), smoothed.
+CurveJet centre_of_cosine(double c, double smoothing) {
+  const Scalar2 w = squared_angle(c);
+  const Scalar2 t = smoothed_angle(w.value, smoothing);
+  const double t_c = t.d1 * w.d1;
+  const double t_cc = t.d2 * w.d1 * w.d1 + t.d1 * w.d2;
+  const CurveJet centre = polynomial_centre(t.value);
+  return {centre.x, t_c * centre.d1, t_c * t_c * centre.d2 + t_cc * centre.d1};
+}
+
+constexpr double kLeastTabulated = 0.01;  // rad; less smoothing would need ever more panels near the hanging arm
+
+/// Table of the smoothed curve, which is a series in (theta/smoothing)^2 = 2 (1 - c)/smoothing^2 near the hanging arm.
+std::shared_ptr<const CurveTable> tabulate(double smoothing) {
+  if (smoothing < kLeastTabulated) return nullptr;
+  return std::make_shared<const CurveTable>(smoothing * smoothing / 8.0,
+                                            [smoothing](double c) { return centre_of_cosine(c, smoothing); });
 }
 
 double elevation_cosine(const Vec3& z_TU) { return std::clamp(z_TU.z(), -1.0, 1.0); }
@@ -159,6 +176,7 @@ Rhythm::Rhythm(const RhythmSettings& settings, double shoulder_distance_m)
   rest_ = settings.model == RhythmModel::Measured
               ? girdle_centre({kMeasuredRestElevation, kMeasuredRestProtraction, shoulder_distance_m})
               : Vec3(shoulder_distance_m * polynomial_centre(0.0).x);
+  if (settings.model == RhythmModel::SoltaniZarrin2017) table_ = tabulate(settings.smoothing_rad);
 }
 
 void Rhythm::anchor(const Vec3& z_TU, const Vec3& p_TS) noexcept { offset_ += p_TS - position(z_TU); }
@@ -182,15 +200,13 @@ void Rhythm::evaluate(const Vec3& z_TU, RhythmJet& out) const noexcept {
     out.p_TS = offset_ + rest_;
     return;
   }
-  const Scalar2 w = squared_angle(elevation_cosine(z_TU));
-  const Scalar2 t = smoothed_angle(w.value, settings_.smoothing_rad);
-  const double t_c = t.d1 * w.d1;
-  const double t_cc = t.d2 * w.d1 * w.d1 + t.d1 * w.d2;
-  const CentreJet centre = polynomial_centre(t.value);
+  const double c = elevation_cosine(z_TU);
+  CurveJet centre;
+  if (table_ == nullptr || !table_->evaluate(c, centre)) centre = centre_of_cosine(c, settings_.smoothing_rad);
   const double scale = settings_.gain * shoulder_distance_m_;
   out.p_TS = offset_ + rest_ + settings_.gain * (shoulder_distance_m_ * centre.x - rest_);
-  out.J_z.col(2) = scale * t_c * centre.d1;
-  const Vec3 second = scale * (t_c * t_c * centre.d2 + t_cc * centre.d1);
+  out.J_z.col(2) = scale * centre.d1;
+  const Vec3 second = scale * centre.d2;
   for (int i = 0; i < 3; ++i) out.H_z[static_cast<std::size_t>(i)](2, 2) = second[i];
 }
 

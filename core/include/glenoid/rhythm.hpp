@@ -1,10 +1,13 @@
 #pragma once
 
 #include <array>
+#include <memory>
 
 #include "glenoid/types.hpp"
 
 namespace glenoid {
+
+class CurveTable;
 
 /// Shoulder-girdle rhythm: where the glenohumeral centre is, given the direction of the upper arm. Numbers fixed for life.
 enum class RhythmModel : int { Fixed = 1, SoltaniZarrin2017 = 2, Measured = 3 };
@@ -22,7 +25,7 @@ struct RhythmJet {
   std::array<Mat3, 3> H_z;  ///< second derivative of each coordinate, m
 };
 
-/// Replaceable model of the glenohumeral centre (docs/equations.md, R1-R5). A value: copy it, no memory is held.
+/// Replaceable model of the glenohumeral centre (docs/equations.md, R1-R5). A value: copies are cheap and take no memory.
 ///
 /// It is defined for every unit vector z_TU and continuous there; with smoothing > 0 it is smooth except at the arm
 /// pointing straight up. It does not check that the elevation lies in the range that its source measured (0..150 deg).
@@ -47,6 +50,7 @@ class Rhythm {
   double shoulder_distance_m_;
   Vec3 rest_ = Vec3::Zero();  ///< centre of the hanging arm before anchoring
   Vec3 offset_ = Vec3::Zero();
+  std::shared_ptr<const CurveTable> table_;  ///< of eq. (1); null: evaluated as it is. Copies share it
 };
 
 /// Girdle coordinates of a glenohumeral centre: (phi_ed rad, phi_pr rad, d_SG m); docs/equations.md, R1.
