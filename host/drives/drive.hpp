@@ -63,7 +63,7 @@ struct DriveView {
 
 /// Frames in, frames out, time passed in: no clock, no I/O, no allocation after construction, the same bits every run.
 ///
-/// Time is integer nanoseconds of any origin and must not run backwards (an earlier one counts as the last).
+/// Time is integer nanoseconds, not negative, and must not run backwards (an earlier one counts as the last).
 /// Frames must be handed over in the order of the bus. Error frames of the port are ignored: the fault "bus-off" plays that.
 class Drive {
  public:

@@ -44,7 +44,7 @@ class DriveGroup {
 
  private:
   void deliver(const can::Received& received, bool later_sync_waits) noexcept;
-  void run_schedule(std::int64_t now_ns) noexcept;
+  void run_schedule() noexcept;
   void flush() noexcept;
 
   can::Port* port_;

@@ -261,4 +261,36 @@ consteval std::size_t row_of(std::uint16_t index, std::uint8_t sub = 0) {
   return row;
 }
 
+/// What an object accepts beyond what its type can hold.
+struct Range {
+  std::size_t row = 0;
+  std::int64_t low = 0, high = 0;
+};
+inline constexpr std::array kRanges = {
+    Range{row_of(0x1003, 0), 0, 0},        // only cleared
+    Range{row_of(0x1019), 0, 240},         // 1 is refused by the drive
+    Range{row_of(0x1029, 1), 0, 2},        // pre-operational, no change, stopped
+    Range{row_of(0x2F00, 1), 0, 8},        // FaultKind
+    Range{row_of(0x2F10, 1), 0, 5},        // Reaction
+    Range{row_of(0x2F10, 3), 0, 5},        // Reaction
+    Range{row_of(0x2F10, 4), 0, 5},        // Reaction
+    Range{row_of(0x6007), 0, 3},           // nothing, fault, disable voltage, quick stop
+    Range{row_of(0x605A), 0, 7},           // 4 is refused by the drive
+    Range{row_of(0x605B), 0, 1},           // off, ramp
+    Range{row_of(0x605C), 0, 1},           // off, ramp
+    Range{row_of(0x605D), 1, 2},           // profile ramp, quick-stop ramp
+    Range{row_of(0x605E), 0, 3},           // off, profile ramp, quick-stop ramp, current limit
+    Range{row_of(0x6085), 1, 0xFFFFFFFF},  // counts/s^2
+    Range{row_of(0x6084), 1, 0xFFFFFFFF},  // counts/s^2
+    Range{row_of(0x60C2, 2), -6, 0},       // us to s
+};
+
+/// Range of a row.
+constexpr Range range_of(std::size_t row) noexcept {
+  for (const Range& range : kRanges) {
+    if (range.row == row) return range;
+  }
+  return {row, lowest(kObjectTable[row].type), highest(kObjectTable[row].type)};
+}
+
 }  // namespace glenoid::drives

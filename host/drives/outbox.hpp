@@ -22,7 +22,12 @@ class Outbox {
     }
   }
   [[nodiscard]] std::span<const can::Frame> frames() const noexcept { return {frames_.data(), size_}; }
-  [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_; }
+  /// Frames that found no room since the last call.
+  std::uint64_t take_dropped() noexcept {
+    const std::uint64_t count = dropped_;
+    dropped_ = 0;
+    return count;
+  }
   void clear() noexcept { size_ = 0; }
 
  private:

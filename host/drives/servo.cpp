@@ -1,0 +1,116 @@
+#include "host/drives/servo.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace glenoid::drives {
+namespace {
+
+constexpr double kCoulombSmoothing_rad_per_s = 0.02;  // Coulomb friction becomes viscous below
+constexpr double kInstant_s = 1e-9;                   // the resolution of time
+
+}  // namespace
+
+void Reference::hold(double position_rad) noexcept {
+  mode_ = Mode::Hold;
+  position_ = position_rad;
+  velocity_ = 0.0;
+}
+
+void Reference::begin_at(double position_rad, double velocity_rad_per_s) noexcept {
+  position_ = position_rad;
+  velocity_ = velocity_rad_per_s;
+}
+
+bool Reference::go_to(double target_rad, double period_s, double most_rad_per_s) noexcept {
+  const double most = most_rad_per_s * period_s;
+  const double step = std::clamp(target_rad - position_, -most, most);
+  const bool whole = std::abs(target_rad - position_) <= most;
+  mode_ = Mode::Line;
+  target_ = whole ? target_rad : position_ + step;
+  left_s_ = period_s;
+  velocity_ = step / period_s;
+  return whole;
+}
+
+void Reference::slow_down(double deceleration) noexcept {
+  mode_ = Mode::Ramp;
+  deceleration_ = deceleration;
+}
+
+void Reference::advance(double step_s) noexcept {
+  if (mode_ == Mode::Line) {
+    left_s_ -= step_s;
+    if (left_s_ > kInstant_s) {
+      position_ = target_ - velocity_ * left_s_;
+    } else {
+      hold(target_);
+    }
+  } else if (mode_ == Mode::Ramp) {
+    const double change = deceleration_ * step_s;
+    if (std::abs(velocity_) <= change) {
+      hold(position_ + 0.5 * velocity_ * std::abs(velocity_) / deceleration_);
+    } else {
+      const double next = velocity_ - std::copysign(change, velocity_);
+      position_ += 0.5 * (velocity_ + next) * step_s;
+      velocity_ = next;
+    }
+  }
+}
+
+Servo::Servo(const Profile& profile, double position_rad) noexcept
+    : mechanics_(profile.mechanics),
+      control_(profile.control),
+      counts_per_rad_(profile.mechanics.counts_per_rev() / (2.0 * std::numbers::pi)),
+      position_(position_rad),
+      counts_(std::floor(position_rad * counts_per_rad_)),
+      most_torque_(profile.mechanics.peak_torque_Nm) {}
+
+void Servo::enable() noexcept {
+  powered_ = true;
+  integral_ = 0.0;
+}
+
+void Servo::load(double torque_Nm, double inertia_kg_m2) noexcept {
+  load_torque_ = torque_Nm;
+  load_inertia_ = inertia_kg_m2;
+}
+
+double Servo::control(double position_ref, double velocity_ref, double torque_offset, double step_s) noexcept {
+  const double gain = mechanics_.inertia_kg_m2 * control_.velocity_bandwidth_rad_per_s;  // Nm s/rad
+  const double wanted = velocity_ref + control_.position_bandwidth_rad_per_s * (position_ref - measured());
+  const double error = wanted - filtered_velocity_;
+  const double torque = gain * error + integral_ + torque_offset;
+  const double limited = std::clamp(torque, -most_torque_, most_torque_);
+  saturated_ = limited != torque;
+  if (!saturated_) integral_ += gain * error * step_s / control_.integral_time_s;  // no wind-up
+  return limited;
+}
+
+void Servo::measure(double step_s) noexcept {
+  const double before = counts_;
+  if (!stuck_) counts_ = std::floor(position_ * counts_per_rad_);
+  const double velocity = (counts_ - before) / counts_per_rad_ / step_s;
+  filtered_velocity_ += (velocity - filtered_velocity_) * step_s / (step_s + control_.velocity_filter_s);
+}
+
+void Servo::step(double position_ref, double velocity_ref, double torque_offset, double step_s) noexcept {
+  torque_ = powered_ ? control(position_ref, velocity_ref, torque_offset, step_s) : 0.0;
+  saturated_ = powered_ && saturated_;
+  if (jammed_ || (!powered_ && mechanics_.brake)) {
+    velocity_ = 0.0;
+  } else {
+    // Friction is taken at the end of the step, so it can stop the joint but never push it.
+    const double inertia = mechanics_.inertia_kg_m2 + load_inertia_;
+    const double friction = mechanics_.viscous_friction_Nm_s_per_rad +
+                            mechanics_.coulomb_friction_Nm /
+                                std::sqrt(velocity_ * velocity_ +
+                                          kCoulombSmoothing_rad_per_s * kCoulombSmoothing_rad_per_s);
+    velocity_ = (velocity_ + step_s * (torque_ + load_torque_) / inertia) / (1.0 + step_s * friction / inertia);
+  }
+  position_ += velocity_ * step_s;
+  measure(step_s);
+}
+
+}  // namespace glenoid::drives
