@@ -86,6 +86,8 @@ class Bridge {
   [[nodiscard]] std::int64_t session() const noexcept;
   /// Every drive is configured and operational.
   [[nodiscard]] bool configured() const noexcept;
+  /// After Inputs::shutdown: the drives are without power and no longer miss the master's heartbeat.
+  [[nodiscard]] bool released() const noexcept;
   /// What was last commanded, rad; NaN before the first command.
   [[nodiscard]] std::span<const double> command_rad() const noexcept;
 

@@ -123,6 +123,7 @@ enum class DriveState : std::int32_t {
 /// Where the joints shall be at `time_ns`. rad, rad/s, Nm in the order of exo.q.
 struct Setpoint {
   std::int64_t time_ns = 0;
+  std::int64_t arrival_ns = 0;  ///< CLOCK_MONOTONIC at reception; 0: when the step sees it
   std::int64_t sequence = 0;
   std::int64_t session = 0;
   std::int32_t count = 0;

@@ -61,6 +61,7 @@ enum class TimeBase : std::uint8_t {
 struct Settings {
   std::string name;
   std::size_t bus_count = 1;
+  std::vector<double> bit_rate_bit_per_s;  ///< of each bus; missing: 1e6
   std::vector<JointSettings> joints;
 
   std::int64_t period_ns = 2'000'000;
