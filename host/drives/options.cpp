@@ -1,0 +1,145 @@
+#include "host/drives/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+namespace glenoid::drives {
+namespace {
+
+constexpr double kNsPerS = 1e9;
+
+/// The number that a whole text is.
+double number_in(const std::string& text, const std::string& what) {
+  std::size_t used = 0;
+  double value = std::nan("");
+  try {
+    value = std::stod(text, &used);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  if (used == 0 || used != text.size() || !std::isfinite(value)) {
+    throw std::invalid_argument(what + " = " + text + ": not a number");
+  }
+  return value;
+}
+
+std::uint32_t count_in(const std::string& text, const std::string& what, double most) {
+  const double value = number_in(text, what);
+  if (value < 0.0 || value > most || value != std::floor(value)) {
+    throw std::invalid_argument(what + " = " + text + ": a whole number from 0 to " + std::to_string(most));
+  }
+  return static_cast<std::uint32_t>(value);
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == separator) {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
+}
+
+/// "1-6" or "1,2,5".
+std::vector<std::uint8_t> parse_nodes(const std::string& text) {
+  std::vector<std::uint8_t> nodes;
+  for (const std::string& part : split(text, ',')) {
+    const std::vector<std::string> ends = split(part, '-');
+    const std::uint32_t first = count_in(ends.front(), "--nodes", 127);
+    const std::uint32_t last = count_in(ends.back(), "--nodes", 127);
+    for (std::uint32_t node = first; node <= last; ++node) nodes.push_back(static_cast<std::uint8_t>(node));
+  }
+  return nodes;
+}
+
+/// The profile files beside the program: ../share/glenoid/drives.
+std::filesystem::path profile_file(const std::string& name) {
+  if (std::filesystem::exists(name)) return name;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe");
+  return program.parent_path().parent_path() / "share/glenoid/drives" / (name + ".yaml");
+}
+
+/// "nominal" for all drives, "3=isel_imd20" for one.
+void choose_profiles(const std::vector<std::string>& wanted, Options& options) {
+  options.profiles.assign(options.nodes.size(), load_profile(profile_file("nominal")));
+  for (const std::string& text : wanted) {
+    const std::vector<std::string> parts = split(text, '=');
+    const Profile profile = load_profile(profile_file(parts.back()));
+    bool used = false;
+    for (std::size_t k = 0; k < options.nodes.size(); ++k) {
+      if (parts.size() == 2 && count_in(parts[0], "--profile", 127) != options.nodes[k]) continue;
+      options.profiles[k] = profile;
+      used = true;
+    }
+    if (!used) throw std::invalid_argument("--profile " + text + ": no such node");
+  }
+}
+
+}  // namespace
+
+ScheduledFault parse_fault(const std::string& text) {
+  ScheduledFault planned;
+  bool has_kind = false;
+  for (const std::string& part : split(text, ',')) {
+    const std::vector<std::string> pair = split(part, '=');
+    if (pair.size() != 2) throw std::invalid_argument("fault " + text + ": " + part + " is not key=value");
+    const std::string what = "fault " + text + ": " + pair[0];
+    if (pair[0] == "node") {
+      planned.node = static_cast<std::uint8_t>(count_in(pair[1], what, 127));
+    } else if (pair[0] == "at") {
+      planned.at_ns = std::llround(number_in(pair[1], what) * kNsPerS);
+    } else if (pair[0] == "amount") {
+      planned.fault.amount = count_in(pair[1], what, 0xFFFFFFFF);
+    } else if (pair[0] == "ms") {
+      planned.fault.duration_ms = count_in(pair[1], what, 0xFFFFFFFF);
+    } else if (pair[0] == "kind") {
+      const auto kind = fault_kind(pair[1]);
+      if (!kind) throw std::invalid_argument(what + " = " + pair[1] + ": no such fault");
+      planned.fault.kind = *kind;
+      has_kind = true;
+    } else {
+      throw std::invalid_argument(what + ": unknown key");
+    }
+  }
+  if (!has_kind) throw std::invalid_argument("fault " + text + ": kind is missing");
+  return planned;
+}
+
+std::optional<int> parse(int argc, char** argv, Options& options) {
+  CLI::App app("Simulated CANopen CiA 402 joint drives. Research software, not a medical device.", "glenoid-drives");
+  std::string nodes = "1-6";
+  std::vector<std::string> profiles, faults;
+  app.add_option("--bus", options.bus, "socketcan:NAME or udp:GROUP[:PORT]")->capture_default_str();
+  app.add_option("--nodes", nodes, "Node ids, as 1-6 or 1,2,5; at most 16")->capture_default_str();
+  app.add_option("--profile", profiles, "Drive family: NAME or FILE for all, or NODE=NAME; repeatable (nominal)");
+  app.add_option("--start-rad", options.start_rad, "Joint positions at power-up, rad, one a node (0)")->delimiter(',');
+  app.add_option("--fault", faults,
+                 "node=3,at=2.5,kind=emcy[,amount=N][,ms=N]; at in s after the start; repeatable. "
+                 "Kinds: drop delay stall emcy reboot stuck-encoder bus-off jam none");
+  app.add_option("--seed", options.seed, "Of the frames that the fault drop loses")->capture_default_str();
+  app.add_option("--duration-s", options.duration_s, "End after this long, s; 0: at SIGINT or SIGTERM");
+  app.add_option("--report", options.report, "Write the JSON report there instead of to standard output");
+  app.add_option("--eds", options.eds, "Write the electronic data sheet of the first node's profile and end");
+  app.add_flag("--realtime", options.realtime, "SCHED_FIFO and locked memory (needs the right to)");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  options.nodes = parse_nodes(nodes);
+  choose_profiles(profiles, options);
+  for (const std::string& text : faults) options.faults.push_back(parse_fault(text));
+  if (options.start_rad.empty()) options.start_rad.assign(options.nodes.size(), 0.0);
+  if (options.start_rad.size() != options.nodes.size()) {
+    throw std::invalid_argument("--start-rad: " + std::to_string(options.start_rad.size()) + " values for " +
+                                std::to_string(options.nodes.size()) + " nodes");
+  }
+  return std::nullopt;
+}
+
+}  // namespace glenoid::drives
