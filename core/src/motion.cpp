@@ -33,6 +33,7 @@ struct MotionGenerator::Impl {
   ArmModel arm;
   Vec3 start_centre;  ///< glenohumeral centre at the start posture, right-arm frame
   ExoModel exo;
+  PosturePrior prior;
   ReachPlanner planner;
   ReachPlan plan;
   MotionState state, next;
@@ -61,7 +62,8 @@ MotionGenerator::Impl::Impl(const MotionSettings& s, double start_time)
       scaled(scale_subject(s.subject)),
       arm(build_arm(s, scaled)),
       start_centre(arm.rhythm.position(posture_from_angles(s.start_q).R_TU.col(2))),
-      exo(s.exo, start_centre) {
+      exo(s.exo, start_centre),
+      prior(s.posture_prior, arm, posture_from_angles(s.start_q)) {
   validate_start(arm, s.start_q);
   const Posture start = posture_from_angles(s.start_q);
   state.move_time_s = start_time;
@@ -102,6 +104,9 @@ void MotionGenerator::Impl::refuse(double time, const Vec3& target, MotionStatus
 Status MotionGenerator::Impl::make_plan(double time, const Posture& start, const Vec3& target) {
   if (settings.swivel_mode == SwivelMode::Prescribed) {
     return planner.plan_prescribed(arm, start, target, settings.swivel_prescribed_rad, plan);
+  }
+  if (settings.swivel_mode == SwivelMode::HumanPrior) {
+    return planner.plan_human_prior(arm, start, target, prior, plan);
   }
   if (at_rest(state, time)) return planner.plan_minimum_energy(arm, start, target, plan);
   PostureJet jet;
@@ -149,6 +154,7 @@ void MotionGenerator::Impl::start_movement(double time, const PostureJet& jet) {
   next.hand_timing = settings.timing == TimingLaw::MinimumJerkHand && fit_hand_clock(arm, next.path, next.hand_clock)
                          ? 1
                          : 0;
+  if (settings.timing == TimingLaw::MinimumJerkHoming) next.hand_timing = 2;
 }
 
 /// Unwrapped angles along the movement, so that q is a continuous and pure function of time.

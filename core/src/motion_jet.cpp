@@ -90,14 +90,15 @@ void chain_rule(const ScalarJet& s, PostureJet& j) {
 void movement_jet(const MotionState& s, double time, PostureJet& out, ScalarJet* progress) noexcept {
   ScalarJet lambda{};
   if (s.moving != 0) {
-    lambda = minimum_jerk(time, s.move_time_s, s.duration_s);
+    const auto law = s.hand_timing == 2 ? homing_minimum_jerk : minimum_jerk;
+    lambda = law(time, s.move_time_s, s.duration_s);
     if (s.fade_share > 0.0) {
-      const ScalarJet early = minimum_jerk(time, s.move_time_s, s.fade_duration_s);
+      const ScalarJet early = law(time, s.move_time_s, s.fade_duration_s);
       const double w = s.fade_share;
       lambda = {(1.0 - w) * lambda.value + w * early.value, (1.0 - w) * lambda.d1 + w * early.d1,
                 (1.0 - w) * lambda.d2 + w * early.d2};
     }
-    if (s.hand_timing != 0) {
+    if (s.hand_timing == 1) {
       const ScalarJet h = lambda;
       lambda = chain(hand_lambda(s.hand_clock, h.value), h);
     }

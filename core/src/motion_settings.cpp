@@ -20,12 +20,12 @@ void validate(const MotionSettings& s, double start_time) {
   problems.require_range("motion.duration", s.duration_s, kLeastDuration, kMostDuration, "s");
   problems.require_range("swivel.prescribed", s.swivel_prescribed_rad, -2.0 * kPi, 2.0 * kPi, "rad");
   problems.require(std::isfinite(start_time), "start time", start_time, "s", "must be finite");
+  problems.require_range("metric.axialFactor", s.axial_factor, 1.0, 5.0, "1");
   const int mode = static_cast<int>(s.swivel_mode);
   problems.require(mode >= 1 && mode <= 3, "swivel.mode", mode, "",
                    "must be 1 (MinimumEnergy), 2 (Prescribed) or 3 (HumanPrior)");
-  problems.require(mode != 3, "swivel.mode", mode, "", "HumanPrior is not available in this version");
   const int law = static_cast<int>(s.timing);
-  problems.require(law >= 1 && law <= 2, "motion.timing", law, "", "must be 1 or 2");
+  problems.require(law >= 1 && law <= 3, "motion.timing", law, "", "must be 1, 2 or 3");
   if (s.shoulder_start_m) {
     for (int i = 0; i < 3; ++i) {
       problems.require_range("shoulder_start[" + std::to_string(i + 1) + "]", (*s.shoulder_start_m)[i], -2.0, 2.0, "m");
@@ -61,7 +61,10 @@ ArmModel build_arm(const MotionSettings& s, const ScaledArm& scaled) {
   if (s.shoulder_start_m) {
     rhythm.anchor(posture_from_angles(s.start_q).R_TU.col(2), mirror_if(s.subject.left_arm, *s.shoulder_start_m));
   }
-  return make_arm_model(scaled, rhythm, s.limits, s.moving_shoulder);
+  ScaledArm inertias = scaled;
+  inertias.upper_arm.inertia_kg_m2.z() *= s.axial_factor;
+  inertias.forearm.inertia_kg_m2.z() *= s.axial_factor;
+  return make_arm_model(inertias, rhythm, s.limits, s.moving_shoulder);
 }
 
 bool is_valid(const MotionState& s) noexcept {

@@ -20,15 +20,9 @@ constexpr double kElevation[6] = {7.0813092984e-01, -1.3574472688e-01, 5.2039390
 constexpr double kProtraction[4] = {0.0, -3.9824419247, -8.0760402164, 1.8198932304};  // theta rad -> phi_pr deg
 constexpr double kLength[3] = {1.0, 3e-4, -1.6e-5};                                    // theta deg -> d_SG / d_0
 
-// Measured reaches (R5): displacement in m per unit of upper-arm direction u = -z_TU, for the d_0 below. The rest vector is
-// that of the lowest measured elevation.
-constexpr double kMeasuredDistance = 0.152;
+// Measured reaches (R5): the rest vector is that of the lowest measured elevation.
 constexpr double kMeasuredRestElevation = -4.5 * kDegree;
 constexpr double kMeasuredRestProtraction = -25.0 * kDegree;
-const Mat3 kMeasuredSlope = (Mat3() << -0.0116, -0.0030, -0.0098,  //
-                             -0.0607, 0.0074, 0.0025,              //
-                             -0.0019, -0.0041, 0.0297)
-                                .finished();
 
 struct Scalar2 {
   double value, d1, d2;
@@ -173,6 +167,12 @@ Rhythm::Rhythm(const RhythmSettings& settings, double shoulder_distance_m)
   const int model = static_cast<int>(settings.model);
   require(model >= 1 && model <= 3, "rhythm.model", model, "",
           "must be 1 (Fixed), 2 (SoltaniZarrin2017) or 3 (Measured)");
+  for (const double slope : settings.measured.slope_m) {
+    require(std::isfinite(slope) && std::abs(slope) <= 1.0, "rhythm.measured.slope", slope, "m", "must be in -1..1");
+  }
+  const double fitted = settings.measured.shoulder_distance_m;
+  require(std::isfinite(fitted) && fitted > 0.0, "rhythm.measured.shoulder_distance", fitted, "m",
+          "must be finite and greater than 0");
   rest_ = settings.model == RhythmModel::Measured
               ? girdle_centre({kMeasuredRestElevation, kMeasuredRestProtraction, shoulder_distance_m})
               : Vec3(shoulder_distance_m * polynomial_centre(0.0).x);
@@ -191,8 +191,9 @@ void Rhythm::evaluate(const Vec3& z_TU, RhythmJet& out) const noexcept {
   out.J_z.setZero();
   for (Mat3& h : out.H_z) h.setZero();
   if (settings_.model == RhythmModel::Measured) {
-    const double scale = settings_.gain * shoulder_distance_m_ / kMeasuredDistance;
-    out.J_z = -scale * kMeasuredSlope;
+    using Rows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    const double scale = settings_.gain * shoulder_distance_m_ / settings_.measured.shoulder_distance_m;
+    out.J_z = -scale * Rows(Eigen::Map<const Rows>(settings_.measured.slope_m.data()));
     out.p_TS = offset_ + rest_ + out.J_z * (z_TU - Vec3::UnitZ());
     return;
   }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "lobatto.hpp"
+#include "prior_search.hpp"
 #include "swivel_search.hpp"
 
 namespace glenoid {
@@ -103,6 +104,22 @@ Status ReachPlanner::plan_prescribed(const ArmModel& arm, const Posture& start, 
   }
   if (result == Status::Ok) describe_reach(arm, target, out);
   return result;
+}
+
+Status ReachPlanner::plan_human_prior(const ArmModel& arm, const Posture& start, const Vec3& target,
+                                      const PosturePrior& prior, ReachPlan& out) noexcept {
+  if (!target.allFinite()) return Status::NotFinite;
+  const double wanted = prior.swivel(target);
+  const Status direct = plan_prescribed(arm, start, target, wanted, out);
+  if (direct == Status::Ok || direct == Status::NotFinite) return direct;
+  SwivelSearch& search = workspace_->search;
+  const Status prepared = search.prepare(arm, start, target, out);
+  if (prepared != Status::Ok) return prepared;
+  Posture end;
+  if (!nearest_feasible_posture(arm, target, search.feasible(), wanted, end)) return Status::NoConvergence;
+  const Status solved = search.solver.solve_cheapest(arm, start, end, {}, out.path, out.certificate);
+  if (solved == Status::Ok) describe_reach(arm, target, out);
+  return solved;
 }
 
 Status ReachPlanner::plan_between(const ArmModel& arm, const Posture& start, const Posture& end,

@@ -1,6 +1,7 @@
 #include "glenoid/timing.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace glenoid {
 
@@ -9,6 +10,15 @@ ScalarJet minimum_jerk(double t, double start, double duration) noexcept {
   const double r = 1.0 - u;
   return {u * u * u * (10.0 + u * (6.0 * u - 15.0)), 30.0 * u * u * r * r / duration,
           60.0 * u * r * (r - u) / (duration * duration)};
+}
+
+ScalarJet homing_minimum_jerk(double t, double start, double duration) noexcept {
+  constexpr double kTail = 0.45, kMostTail = 0.6;  // per unit of ln(duration / 1 s); T5
+  const double b = std::clamp(kTail * std::log(duration), 0.0, kMostTail);
+  const double u = std::clamp((t - start) / duration, 0.0, 1.0);
+  const ScalarJet s = minimum_jerk(u + b * u * (1.0 - u), 0.0, 1.0);
+  const double rate = (1.0 + b * (1.0 - 2.0 * u)) / duration, bend = -2.0 * b / (duration * duration);
+  return {s.value, s.d1 * rate, s.d2 * rate * rate + s.d1 * bend};
 }
 
 ScalarJet fading_motion(double t, double start, double duration, double v, double a) noexcept {

@@ -51,7 +51,6 @@ OPTIONS = {
     "unknown metric": (["--metric", "taxicab"], ["metric", "taxicab"]),
     "unknown limit": (["--limits-deg", "knee=0,90"], ["knee", "unknown key"]),
     "unknown option": (["--quickly"], ["--quickly"]),
-    "HumanPrior": (["--swivel", "HumanPrior"], ["HumanPrior"]),
 }
 
 

@@ -86,9 +86,9 @@ def test_refused_target_is_a_negative_verdict(run):
 
 
 def test_what_the_fmu_refuses_is_an_input_error_with_its_words(run):
-    done = run("simulate", "--swivel", "HumanPrior")
+    done = run("simulate", "--gain", "2")
     assert done.code == 2
-    assert "swivel.mode" in done.err
+    assert "rhythm.gain" in done.err
 
 
 def test_missing_fmu_says_how_to_get_it(run, monkeypatch, tmp_path):

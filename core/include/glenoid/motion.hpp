@@ -17,9 +17,11 @@ struct MotionSettings {
   Subject subject;
   RhythmSettings rhythm;
   bool moving_shoulder = true;
+  double axial_factor = 1.0;  ///< times the segments' axial inertias in the metric, 1..5; 1 = the kinetic energy (M5)
   SwivelMode swivel_mode = SwivelMode::MinimumEnergy;
   double swivel_prescribed_rad = 0.2;
-  double duration_s = 1.5;  ///< of each movement; may be changed between movements
+  PosturePriorCoefficients posture_prior{};  ///< used by HumanPrior, which is anchored at start_q
+  double duration_s = 1.5;                   ///< of each movement; may be changed between movements
   TimingLaw timing = TimingLaw::MinimumJerkRiemannian;
   JointLimits limits;
   Vec4 start_q = Vec4(15.0, -30.0, 30.0, 60.0) * (kPi / 180.0);
@@ -123,7 +125,7 @@ struct MotionState {
   int rest_status = 1;         ///< MotionStatus once at rest
   int target_known = 0;        ///< `target` was accepted and not given up since
   int refused = 0;             ///< `refused_target` was the last one refused
-  int hand_timing = 0;         ///< the hand clock below is in use
+  int hand_timing = 0;         ///< 1: the hand clock below is in use; 2: the homing law
   Vec3 target = Vec3::Zero();  ///< last accepted, right-arm frame
   Vec3 refused_target = Vec3::Zero();
   /// Earlier motion fading out after a re-plan: body rates and accelerations at move_time_s (T3).

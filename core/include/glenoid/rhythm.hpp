@@ -12,10 +12,20 @@ class CurveTable;
 /// Shoulder-girdle rhythm: where the glenohumeral centre is, given the direction of the upper arm. Numbers fixed for life.
 enum class RhythmModel : int { Fixed = 1, SoltaniZarrin2017 = 2, Measured = 3 };
 
+/// Coefficients of RhythmModel::Measured (R5), fitted by `glenoid validate --fit`: replace them to use recordings of your own.
+struct MeasuredRhythm {
+  /// Displacement of the centre per unit of upper-arm direction u = -z_TU, m, rows x, y, z of T.
+  std::array<double, 9> slope_m = {-0.0116, -0.0030, -0.0098,  //
+                                   -0.0607, 0.0074,  0.0025,   //
+                                   -0.0019, -0.0041, 0.0297};
+  double shoulder_distance_m = 0.152;  ///< d_0 of the persons that the slope was fitted to
+};
+
 struct RhythmSettings {
   RhythmModel model = RhythmModel::SoltaniZarrin2017;
   double gain = 1.0;           ///< scales the displacement from rest; 0..1.5
   double smoothing_rad = 0.1;  ///< theta -> theta erf(theta/smoothing); 0 = the polynomial as printed; 0..0.3
+  MeasuredRhythm measured{};   ///< used by Measured
 };
 
 /// Value and derivatives of the centre with respect to z_TU, the third column of R_TU (the upper arm points along -z_TU).

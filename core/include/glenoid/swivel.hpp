@@ -5,6 +5,7 @@
 
 #include "glenoid/geodesic.hpp"
 #include "glenoid/kinematics.hpp"
+#include "glenoid/posture_prior.hpp"
 
 namespace glenoid {
 
@@ -57,6 +58,10 @@ class ReachPlanner {
   /// The posture with the given swivel angle that is nearest to the start in energy.
   Status plan_prescribed(const ArmModel& arm, const Posture& start, const Vec3& target, double swivel_rad,
                          ReachPlan& out) noexcept;
+
+  /// The posture with the swivel angle that the prior expects, or the one within the limits that comes nearest to it (P1, P2).
+  Status plan_human_prior(const ArmModel& arm, const Posture& start, const Vec3& target, const PosturePrior& prior,
+                          ReachPlan& out) noexcept;
 
   /// Given end posture. The wrist target is that of the end posture.
   Status plan_between(const ArmModel& arm, const Posture& start, const Posture& end, ReachPlan& out) noexcept;

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from glenoid import _core
 from glenoid.inputs import InputError, ReachInput, Vector3, Vector4, explain
 from glenoid.reach import Array
-from glenoid.settings import core_limits, core_rhythm, core_subject, mirrored_if_left
+from glenoid.settings import core_limits, core_prior, core_rhythm, core_subject, mirrored_if_left, with_axial_factor
 
 SAMPLES = 101
 ANSWER_KEYS = ("q", "shoulder", "elbow", "wrist", "swivel", "energy", "iterations", "solve_us")
@@ -75,7 +75,7 @@ class BatchPlanner:
         """The arm of a task. A measured shoulder path replaces the rhythm; its end is the final posture's shoulder."""
         lengths = task.subject.model_dump(exclude={"shoulder_start_m"}, exclude_none=True)
         subject = self.common.subject.model_copy(update=lengths)
-        scaled = _core.scale_subject(core_subject(subject))
+        scaled = with_axial_factor(_core.scale_subject(core_subject(subject)), self.common.axial_factor)
         settings = core_rhythm(self.common.rhythm)
         moving = self.common.metric == "movingShoulder"
         anchor = task.subject.shoulder_start_m
@@ -97,7 +97,8 @@ class BatchPlanner:
             return self.planner.plan_minimum_energy(arm, start, self.own_side(task.target))
         if swivel.mode == "Prescribed":
             return self.planner.plan_prescribed(arm, start, self.own_side(task.target), swivel.prescribed_rad)
-        return _core.Status.NotAvailable, _core.ReachPlan()
+        prior = _core.PosturePrior(core_prior(self.common), arm, start)
+        return self.planner.plan_human_prior(arm, start, self.own_side(task.target), prior)
 
     def points(self, task: Task, arm: _core.ArmModel, path: _core.GeodesicPath, lambdas: Array) -> list[Array]:
         """Shoulder, elbow and wrist along the path in T, about the measured shoulder path where one is given."""

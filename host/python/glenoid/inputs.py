@@ -16,7 +16,7 @@ Range = tuple[float, float]
 RhythmName = Literal["Fixed", "SoltaniZarrin2017", "Measured"]
 SwivelName = Literal["MinimumEnergy", "Prescribed", "HumanPrior"]
 MetricName = Literal["movingShoulder", "fixedShoulder"]
-TimingName = Literal["MinimumJerkRiemannian", "MinimumJerkHand"]
+TimingName = Literal["MinimumJerkRiemannian", "MinimumJerkHand", "MinimumJerkHoming"]
 
 
 class InputError(ValueError):
@@ -65,12 +65,29 @@ class SubjectInput(Strict):
     limits_deg: LimitsInput = LimitsInput()
 
 
+class MeasuredRhythmInput(Strict):
+    """Coefficients of the rhythm Measured, as `glenoid validate --fit` writes them."""
+
+    slope_m: Annotated[list[float], Field(min_length=9, max_length=9)]
+    shoulder_distance_m: Annotated[float, Field(gt=0.0)]
+
+
+class PriorInput(Strict):
+    """Coefficients of the swivel mode HumanPrior, as `glenoid validate --fit` writes them."""
+
+    height_rad: float
+    lateral_rad: float
+    regression: Annotated[float, Field(ge=0.0, le=1.0)]
+    common_rad: float
+
+
 class RhythmInput(Strict):
     """Shoulder-girdle rhythm."""
 
     model: RhythmName = "SoltaniZarrin2017"
     gain: float = 1.0
     smoothing_rad: float = 0.1
+    measured: MeasuredRhythmInput | None = None
 
 
 class SwivelInput(Strict):
@@ -78,6 +95,7 @@ class SwivelInput(Strict):
 
     mode: SwivelName = "MinimumEnergy"
     prescribed_rad: float = 0.2
+    prior: PriorInput | None = None
 
 
 class MeasuredInput(Strict):
@@ -104,6 +122,7 @@ class ReachInput(Strict):
     rhythm: RhythmInput = RhythmInput()
     swivel: SwivelInput = SwivelInput()
     metric: MetricName = "movingShoulder"
+    axial_factor: Annotated[float, Field(ge=1.0, le=5.0)] = 1.0
     timing: TimingName = "MinimumJerkRiemannian"
     measured: MeasuredInput = MeasuredInput()
 

@@ -48,7 +48,27 @@ def core_rhythm(rhythm: RhythmInput) -> _core.RhythmSettings:
     out.model = getattr(_core.RhythmModel, rhythm.model)
     out.gain = rhythm.gain
     out.smoothing_rad = rhythm.smoothing_rad
+    if rhythm.measured is not None:
+        out.measured = _core.MeasuredRhythm()
+        out.measured.slope_m = list(rhythm.measured.slope_m)
+        out.measured.shoulder_distance_m = rhythm.measured.shoulder_distance_m
     return out
+
+
+def core_prior(reach: ReachInput) -> _core.PosturePriorCoefficients:
+    """Coefficients of the posture prior: the core's own where none are given."""
+    out = _core.PosturePriorCoefficients()
+    if reach.swivel.prior is not None:
+        for name, value in reach.swivel.prior.model_dump().items():
+            setattr(out, name, value)
+    return out
+
+
+def with_axial_factor(scaled: _core.ScaledArm, factor: float) -> _core.ScaledArm:
+    """Scales the axial inertias of the metric in place, as the core does for its own generator (M5)."""
+    for segment in (scaled.upper_arm, scaled.forearm):
+        segment.inertia_kg_m2 = segment.inertia_kg_m2 * np.array([1.0, 1.0, factor])
+    return scaled
 
 
 def core_motion(reach: ReachInput, exo: _core.ExoSettings | None = None) -> _core.MotionSettings:
@@ -60,6 +80,8 @@ def core_motion(reach: ReachInput, exo: _core.ExoSettings | None = None) -> _cor
     settings.moving_shoulder = reach.metric == "movingShoulder"
     settings.swivel_mode = getattr(_core.SwivelMode, reach.swivel.mode)
     settings.swivel_prescribed_rad = reach.swivel.prescribed_rad
+    settings.posture_prior = core_prior(reach)
+    settings.axial_factor = reach.axial_factor
     settings.timing = getattr(_core.TimingLaw, reach.timing)
     settings.duration_s = reach.duration_s
     settings.start_q_rad = np.array(reach.start_rad)

@@ -1,3 +1,4 @@
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -18,7 +19,7 @@ void bind_subject(nb::module_& module) {
       .def_ro("length_m", &Segment::length_m)
       .def_ro("mass_kg", &Segment::mass_kg)
       .def_ro("com_m", &Segment::com_m)
-      .def_ro("inertia_kg_m2", &Segment::inertia_kg_m2);
+      .def_rw("inertia_kg_m2", &Segment::inertia_kg_m2);
   nb::class_<Subject>(module, "Subject", "What is known of a person; None is scaled from stature and mass.")
       .def(nb::init<>())
       .def_rw("stature_m", &Subject::stature_m)
@@ -53,11 +54,16 @@ void bind_rhythm(nb::module_& module) {
       .value("Fixed", RhythmModel::Fixed)
       .value("SoltaniZarrin2017", RhythmModel::SoltaniZarrin2017)
       .value("Measured", RhythmModel::Measured);
+  nb::class_<MeasuredRhythm>(module, "MeasuredRhythm", "Coefficients of the measured rhythm (R5).")
+      .def(nb::init<>())
+      .def_rw("slope_m", &MeasuredRhythm::slope_m, "Nine numbers, row by row.")
+      .def_rw("shoulder_distance_m", &MeasuredRhythm::shoulder_distance_m);
   nb::class_<RhythmSettings>(module, "RhythmSettings")
       .def(nb::init<>())
       .def_rw("model", &RhythmSettings::model)
       .def_rw("gain", &RhythmSettings::gain)
-      .def_rw("smoothing_rad", &RhythmSettings::smoothing_rad);
+      .def_rw("smoothing_rad", &RhythmSettings::smoothing_rad)
+      .def_rw("measured", &RhythmSettings::measured);
   nb::class_<Rhythm>(module, "Rhythm", "Glenohumeral centre as a function of the upper-arm direction.")
       .def(nb::init<const RhythmSettings&, double>(), "settings"_a, "shoulder_distance_m"_a)
       .def("anchor", &Rhythm::anchor, "z_TU"_a, "p_TS_m"_a, "Shifts the model so that it gives p_TS_m at z_TU.")

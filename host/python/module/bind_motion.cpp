@@ -18,7 +18,8 @@ void bind_settings(nb::module_& module) {
       .value("HumanPrior", SwivelMode::HumanPrior);
   nb::enum_<TimingLaw>(module, "TimingLaw")
       .value("MinimumJerkRiemannian", TimingLaw::MinimumJerkRiemannian)
-      .value("MinimumJerkHand", TimingLaw::MinimumJerkHand);
+      .value("MinimumJerkHand", TimingLaw::MinimumJerkHand)
+      .value("MinimumJerkHoming", TimingLaw::MinimumJerkHoming);
   nb::enum_<MotionStatus>(module, "MotionStatus", "What the arm is doing; numbers are those of the FMU's status.")
       .value("Idle", MotionStatus::Idle)
       .value("Moving", MotionStatus::Moving)
@@ -33,8 +34,10 @@ void bind_settings(nb::module_& module) {
       .def_rw("subject", &MotionSettings::subject)
       .def_rw("rhythm", &MotionSettings::rhythm)
       .def_rw("moving_shoulder", &MotionSettings::moving_shoulder)
+      .def_rw("axial_factor", &MotionSettings::axial_factor)
       .def_rw("swivel_mode", &MotionSettings::swivel_mode)
       .def_rw("swivel_prescribed_rad", &MotionSettings::swivel_prescribed_rad)
+      .def_rw("posture_prior", &MotionSettings::posture_prior)
       .def_rw("duration_s", &MotionSettings::duration_s)
       .def_rw("timing", &MotionSettings::timing)
       .def_rw("limits", &MotionSettings::limits)

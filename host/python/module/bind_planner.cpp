@@ -138,6 +138,13 @@ Planned plan_prescribed(ReachPlanner& planner, const ArmModel& arm, const Postur
   return out;
 }
 
+Planned plan_human_prior(ReachPlanner& planner, const ArmModel& arm, const Posture& start, const Vec3& target,
+                         const PosturePrior& prior) {
+  Planned out;
+  out.first = planner.plan_human_prior(arm, start, target, prior, out.second);
+  return out;
+}
+
 Planned plan_between(ReachPlanner& planner, const ArmModel& arm, const Posture& start, const Posture& end) {
   Planned out;
   out.first = planner.plan_between(arm, start, end, out.second);
@@ -168,6 +175,19 @@ nb::tuple sample_family(ReachPlanner& planner, const ArmModel& arm, const Postur
   return nb::make_tuple(status, family_to_dict(*family));
 }
 
+void bind_prior(nb::module_& module) {
+  nb::class_<PosturePriorCoefficients>(module, "PosturePriorCoefficients", "Coefficients of the posture prior (P1).")
+      .def(nb::init<>())
+      .def_rw("height_rad", &PosturePriorCoefficients::height_rad)
+      .def_rw("lateral_rad", &PosturePriorCoefficients::lateral_rad)
+      .def_rw("regression", &PosturePriorCoefficients::regression)
+      .def_rw("common_rad", &PosturePriorCoefficients::common_rad);
+  nb::class_<PosturePrior>(module, "PosturePrior", "Swivel angle that people choose, anchored at a posture of their own.")
+      .def(nb::init<const PosturePriorCoefficients&, const ArmModel&, const Posture&>(), "coefficients"_a, "arm"_a,
+           "anchor"_a)
+      .def("swivel", &PosturePrior::swivel, "target_m"_a, "Expected swivel angle, rad.");
+}
+
 void bind_reach_planner(nb::module_& module) {
   module.def("refine_path", &refine_path, "arm"_a, "path"_a, "tail_tolerance"_a, Release(),
              "The same geodesic on as many nodes as bring its spectral tail below the tolerance, at most 65.");
@@ -184,6 +204,8 @@ void bind_reach_planner(nb::module_& module) {
            "Globally least energy over all feasible swivel angles; S1-S4.")
       .def("plan_prescribed", &plan_prescribed, "arm"_a, "start"_a, "target_m"_a, "swivel_rad"_a, Release(),
            "The posture with this swivel angle that is nearest in energy.")
+      .def("plan_human_prior", &plan_human_prior, "arm"_a, "start"_a, "target_m"_a, "prior"_a, Release(),
+           "The posture that the prior expects, or the one within the limits nearest to it; P1, P2.")
       .def("plan_between", &plan_between, "arm"_a, "start"_a, "end"_a, Release(), "Given end posture.")
       .def("sample_family", &sample_family, "arm"_a, "start"_a, "target_m"_a, "count"_a,
            "Family of final postures over the self-motion: swivel_rad, margin_rad, energy_kg_m2, R_TU, phi_rad.",
@@ -220,6 +242,7 @@ void bind_follow(nb::module_& module) {
 void bind_planner(nb::module_& module) {
   bind_path(module);
   bind_certificate(module);
+  bind_prior(module);
   bind_reach_planner(module);
   bind_follow(module);
 }

@@ -19,9 +19,12 @@ Rhythm = Annotated[str | None, typer.Option(help="Shoulder rhythm: Fixed, Soltan
 Gain = Annotated[float | None, typer.Option(help="Scale of the rhythm's displacement, 0..1.5.")]
 Smoothing = Annotated[float | None, typer.Option("--smoothing-rad", help="Smoothing at the hanging arm, 0..0.3 rad.")]
 Metric = Annotated[str | None, typer.Option(help="Kinetic energy with movingShoulder or fixedShoulder.")]
+AxialFactor = Annotated[
+    float | None, typer.Option("--axial-factor", help="Times the axial inertia in the metric, 1..5; 1 = kinetic energy.")
+]
 Swivel = Annotated[str | None, typer.Option(help="Final posture: MinimumEnergy, Prescribed, HumanPrior.")]
 SwivelRad = Annotated[float | None, typer.Option("--swivel-prescribed-rad", help="Swivel angle of Prescribed, rad.")]
-Timing = Annotated[str | None, typer.Option(help="MinimumJerkRiemannian or MinimumJerkHand.")]
+Timing = Annotated[str | None, typer.Option(help="MinimumJerkRiemannian, MinimumJerkHand or MinimumJerkHoming.")]
 ExoName = Annotated[str | None, typer.Option("--exo", help="Exoskeleton: NAME of a shipped one, or FILE.yaml.")]
 Limits = Annotated[
     list[str] | None,
@@ -96,6 +99,7 @@ def reach_options(
     swivel: str | None,
     swivel_rad: float | None,
     timing: str | None = None,
+    axial_factor: float | None = None,
 ) -> dict[str, Any]:
     """Options as the keys of a reach file; None where not given."""
     return {
@@ -106,5 +110,6 @@ def reach_options(
         "rhythm": {"model": rhythm, "gain": gain, "smoothing_rad": smoothing},
         "metric": None if metric is None else METRICS.get(metric.lower(), metric),
         "swivel": {"mode": swivel, "prescribed_rad": swivel_rad},
+        "axial_factor": axial_factor,
         "timing": timing,
     }
