@@ -237,7 +237,6 @@ void DiscreteGeodesic::store(GeodesicPath& path) const noexcept {
   path.order = order();
   path.energy = energy_;
   for (int k = 0; k <= order(); ++k) path.nodes[static_cast<std::size_t>(k)] = posture(k);
-  finish_path(path);
 }
 
 double DiscreteGeodesic::spectral_tail(const GeodesicPath& path) noexcept {

@@ -48,6 +48,7 @@ class DiscreteGeodesic {
   /// (max - min) / mean of 1/2 q'Mq' at the nodes.
   [[nodiscard]] double speed_variation() const noexcept;
 
+  /// Order, energy and nodes; finish_path makes the rest of it.
   void store(GeodesicPath& path) const noexcept;
   [[nodiscard]] static double spectral_tail(const GeodesicPath& path) noexcept;
 

@@ -25,9 +25,8 @@ void set_columns(const EmbeddedNode& node, bool shoulder, double (&F)[kEmbedding
   }
 }
 
-void embed_frames(const Posture& posture, EmbeddedNode& node) {
+void embed_frames(const Posture& posture, double s, double c, EmbeddedNode& node) {
   node.R = posture.R_TU;
-  const double s = std::sin(posture.phi), c = std::cos(posture.phi);
   node.R_F.col(0) = node.R.col(0);
   node.R_F.col(1) = c * node.R.col(1) + s * node.R.col(2);
   node.R_F.col(2) = -s * node.R.col(1) + c * node.R.col(2);
@@ -36,11 +35,11 @@ void embed_frames(const Posture& posture, EmbeddedNode& node) {
 }  // namespace
 
 void embed(const ArmModel& arm, const Posture& posture, bool with_shoulder, EmbeddedNode& node) noexcept {
-  embed_frames(posture, node);
+  const double s = std::sin(posture.phi), c = std::cos(posture.phi);
+  embed_frames(posture, s, c, node);
   const bool shoulder = with_shoulder || arm.moving_shoulder;
   const Vec3 x = node.R.col(0), y = node.R.col(1), z = node.R.col(2);
   const Vec3 yf = node.R_F.col(1), zf = node.R_F.col(2);
-  const double s = std::sin(posture.phi), c = std::cos(posture.phi);
   for (auto& row : node.J) row[0] = row[1] = row[2] = row[3] = 0.0;
   set_row3(node.J, 1, 1, -z);
   set_row3(node.J, 1, 2, y);
@@ -117,13 +116,32 @@ Posture retract(const Posture& posture, const Tangent& step) noexcept {
   return {posture.R_TU * rotation(step.head<3>()), posture.phi + step[3]};
 }
 
+namespace {
+
+/// sin(a)/a and (1 - cos(a))/a^2 as functions of a^2.
+struct RotationFactors {
+  double sine, versine;
+};
+
+RotationFactors rotation_factors(double square) {
+  constexpr double kSeriesRange = 0.25;  // rad^2; the first term left out is 1e-17
+  if (square < kSeriesRange) {
+    RotationFactors f{1.0, 1.0};
+    for (int k = 7; k >= 1; --k) {
+      f.sine = 1.0 - square * f.sine * (1.0 / (2.0 * k * (2.0 * k + 1.0)));
+      f.versine = 1.0 - square * f.versine * (1.0 / ((2.0 * k + 1.0) * (2.0 * k + 2.0)));
+    }
+    return {f.sine, 0.5 * f.versine};
+  }
+  const double half = 0.5 * std::sqrt(square);
+  const double s = std::sin(half), c = std::cos(half);
+  return {s * c / half, 2.0 * s * s / square};
+}
+
+}  // namespace
+
 Mat3 rotation(const Vec3& v) noexcept {
-  const double angle = v.norm();
-  const double half = 0.5 * angle;
-  // sin(a)/a and (1 - cos a)/a^2 = sin(a/2)^2 / (2 (a/2)^2), exact down to 0
-  const double a = angle > 1e-9 ? std::sin(angle) / angle : 1.0;
-  const double sinc = half > 1e-9 ? std::sin(half) / half : 1.0;
-  const double b = 0.5 * sinc * sinc;
+  const auto [a, b] = rotation_factors(v.squaredNorm());
   const double xx = v.x() * v.x(), yy = v.y() * v.y(), zz = v.z() * v.z();
   const double xy = b * v.x() * v.y(), xz = b * v.x() * v.z(), yz = b * v.y() * v.z();
   Mat3 R;

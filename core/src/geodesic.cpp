@@ -24,7 +24,6 @@ constexpr double kSaddleStep = 1e-6;       // rad; what a step must reach where 
 constexpr double kLeastDamping = 1e-3;
 constexpr double kUnresolved = 1e-2;  // spectral tail of a path that the finest grid does not resolve
 constexpr double kHopeless = 2.5;     // times the energy in hand: a first guess beyond it does not become cheaper
-constexpr int kSketchOrder = 12;      // paths of at most this order are not shown to users and need no certificate
 constexpr int kRetryOrder = 24;       // first grid of a second attempt in the short class
 
 bool finite(const Posture& p) { return p.R_TU.allFinite() && std::isfinite(p.phi); }
@@ -54,11 +53,11 @@ void slerp_guess(DiscreteGeodesic& d, const Posture& a, const Posture& b, bool l
 /// Nodes of an earlier path, bent so that its ends become a and b.
 void warm_guess(DiscreteGeodesic& d, const GeodesicPath& warm, const Posture& a, const Posture& b) {
   const int n = d.order();
-  const Posture wa = path_posture(warm, 0.0), wb = path_posture(warm, 1.0);
+  const Posture &wa = warm.nodes[0], &wb = warm.nodes[static_cast<std::size_t>(warm.order)];
   const Vec3 da = rotation_vector(wa.R_TU.transpose() * a.R_TU), db = rotation_vector(wb.R_TU.transpose() * b.R_TU);
   for (int k = 0; k <= n; ++k) {
     const double t = d.grid().node[static_cast<std::size_t>(k)];
-    const Posture p = path_posture(warm, t);
+    const Posture p = warm.order == n ? warm.nodes[static_cast<std::size_t>(k)] : path_posture(warm, t);
     d.posture(k) = {p.R_TU * rotation((1.0 - t) * da + t * db),
                     p.phi + (1.0 - t) * (a.phi - wa.phi) + t * (b.phi - wb.phi)};
   }
@@ -169,18 +168,22 @@ Status GeodesicSolver::Workspace::run(const ArmModel& arm, const Posture& start,
     slerp_guess(d, start, end, options.long_way);
   }
   d.set_free_end(target);
+  const bool sketch = options.max_order <= kSketchOrder;
   while (true) {
     Newton newton{d, arm, c};
     const bool refine_anyway = d.order() < 16 && d.order() < options.max_order;
     const bool converged = newton.run(refine_anyway ? kLooseStep : options.step_tolerance);
-    if (!converged && d.order() >= options.max_order) return Status::NoConvergence;
+    const bool last = d.order() >= options.max_order;
+    if (!converged && last) return Status::NoConvergence;
     d.store(path);
+    if (last && sketch) break;
+    finish_path(path);
     c.spectral_tail = d.spectral_tail(path);
     const bool done = converged && !refine_anyway && c.spectral_tail <= options.tail_tolerance;
-    if (d.order() >= options.max_order && options.max_order > kSketchOrder && c.spectral_tail > kUnresolved) {
+    if (last && c.spectral_tail > kUnresolved) {
       return Status::NoConvergence;  // a solution of the discrete problem, but not of the continuous one
     }
-    if (done || d.order() >= options.max_order) break;
+    if (done || last) break;
     d.set_order(d.order() < 16 ? std::min(16, options.max_order) : d.order() + 1);
     for (int k = 0; k <= d.order(); ++k) {
       const bool fixed = k == 0 || k == d.order();
@@ -191,7 +194,7 @@ Status GeodesicSolver::Workspace::run(const ArmModel& arm, const Posture& start,
   c.order = d.order();
   c.long_way = turns_long_way(d);
   end_momentum = d.end_momentum();
-  if (options.max_order > kSketchOrder) {
+  if (!sketch) {
     c.gradient = d.gradient_size();
     c.speed_variation = d.speed_variation();
   }

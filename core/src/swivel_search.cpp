@@ -19,7 +19,7 @@ constexpr double kRival = 0.02;            // relative energy within which a sec
 constexpr double kWideTurn = 2.3;          // rad; beyond it cold starts are tried beside the warm one
 constexpr double kTangentStep = 1e-5;      // rad of psi
 constexpr double kMarginTolerance = 1e-9;  // rad; rounding of an end posture that sits on a limit
-constexpr GeodesicOptions kCoarse{std::numeric_limits<double>::infinity(), 6, 6, 2e-2};
+constexpr GeodesicOptions kCoarse{std::numeric_limits<double>::infinity(), 6, 6, 1e-1};
 constexpr GeodesicOptions kMedium{std::numeric_limits<double>::infinity(), 6, 12, 1e-4};  // wide turns: rivals are near
 constexpr GeodesicOptions kFine{};
 
@@ -27,6 +27,12 @@ bool finite(const Posture& p) { return p.R_TU.allFinite() && std::isfinite(p.phi
 
 double rotation_angle(const Posture& a, const Posture& b) {
   return rotation_vector(a.R_TU.transpose() * b.R_TU).norm();
+}
+
+/// A path as warm start for a solution that begins on the grid of `options`.
+const GeodesicPath* warm_start(GeodesicPath& path, const GeodesicOptions& options) {
+  if (path.order != options.first_order) finish_path(path);
+  return &path;
 }
 
 /// Value of the cubic Hermite interpolant of a cell at t in [0, 1].
@@ -130,14 +136,14 @@ bool SwivelSearch::try_cold(const ArmModel& arm, const Posture& start, const Geo
 
 /// Energy and its exact derivative along the loop (docs/equations.md, S2), continued from a sample beside it where there is one.
 bool SwivelSearch::sample_energy(const ArmModel& arm, const Posture& start, const Vec3& target,
-                                 const SelfMotionLoop& loop, const GeodesicOptions& options, const EnergySample* beside,
+                                 const SelfMotionLoop& loop, const GeodesicOptions& options, EnergySample* beside,
                                  EnergySample& s) {
   if (!loop_posture(arm, target, loop, s.psi, s.opening, s.posture)) return false;
   s.rotation = rotation_angle(start, s.posture);
   Certificate c;
   bool ok = false;
   if (beside != nullptr) {
-    ok = solver.solve(arm, start, s.posture, options, &beside->path, s.path, c) == Status::Ok;
+    ok = solver.solve(arm, start, s.posture, options, warm_start(beside->path, options), s.path, c) == Status::Ok;
     s.momentum = solver.end_momentum();
   }
   const bool refined = beside != nullptr && beside->psi == s.psi;  // the same posture, solved before
@@ -158,7 +164,7 @@ void SwivelSearch::sample_arc(const ArmModel& arm, const Posture& start, const V
   const SelfMotionLoop& loop = loop_of(arc);
   const double width = (a.end - a.begin) / std::max(1.0, std::ceil((a.end - a.begin) / kCellWidth));
   const int first = sample_count_;
-  const EnergySample* previous = nullptr;
+  EnergySample* previous = nullptr;
   double psi = a.begin;
   while (sample_count_ < kMaxSamples) {
     EnergySample& s = samples_[static_cast<std::size_t>(sample_count_)];
@@ -266,7 +272,7 @@ bool SwivelSearch::narrow_cell(const ArmModel& arm, const Posture& start, const 
   for (int i = 0; i < kMostSteps && high_.psi - low_.psi > width; ++i) {
     const double secant = low_.slope / (low_.slope - high_.slope);
     const double share = i % 3 == 2 || !(secant > 0.05 && secant < 0.95) ? 0.5 : secant;
-    const EnergySample& near = share < 0.5 ? low_ : high_;
+    EnergySample& near = share < 0.5 ? low_ : high_;
     middle_.psi = low_.psi + share * (high_.psi - low_.psi);
     middle_.opening = near.opening;
     if (!sample_energy(arm, start, target, loop, options, &near, middle_)) return false;
@@ -283,9 +289,11 @@ Status SwivelSearch::refine_cell(const ArmModel& arm, const Posture& start, cons
   low_ = samples_[static_cast<std::size_t>(c.cell)];
   high_ = samples_[static_cast<std::size_t>(c.cell + 1)];
   if (!narrow_cell(arm, start, target, loop, kMedium, kFirstWidth)) return Status::NoConvergence;
-  if (refine_interior(arm, start, target, middle_.posture, middle_.path, out) == Status::Ok) return Status::Ok;
+  const GeodesicPath& warm = *warm_start(middle_.path, kFine);
+  if (refine_interior(arm, start, target, middle_.posture, warm, out) == Status::Ok) return Status::Ok;
   if (!narrow_cell(arm, start, target, loop, kFine, kLastWidth)) return Status::NoConvergence;
-  const Status status = solver.solve(arm, start, middle_.posture, kFine, &middle_.path, out.path, out.certificate);
+  const Status status =
+      solver.solve(arm, start, middle_.posture, kFine, warm_start(middle_.path, kFine), out.path, out.certificate);
   const Vec4 p = solver.end_momentum();
   out.certificate.transversality = std::abs(middle_.slope) / (p.norm() + 1e-300);
   return status;
@@ -293,12 +301,13 @@ Status SwivelSearch::refine_cell(const ArmModel& arm, const Posture& start, cons
 
 Status SwivelSearch::refine(const ArmModel& arm, const Posture& start, const Vec3& target, const Candidate& c,
                             ReachPlan& out) {
-  const EnergySample& s = samples_[static_cast<std::size_t>(c.nearest)];
-  if (c.edge != 0) return refine_edge(arm, start, target, c.arc, c.edge, &s.path, out);
+  EnergySample& s = samples_[static_cast<std::size_t>(c.nearest)];
+  const GeodesicPath& warm = *warm_start(s.path, kFine);
+  if (c.edge != 0) return refine_edge(arm, start, target, c.arc, c.edge, &warm, out);
   Posture guess;
   double opening = s.opening;
   if (!loop_posture(arm, target, loop_of(c.arc), c.psi, opening, guess)) guess = s.posture;
-  if (refine_interior(arm, start, target, guess, s.path, out) == Status::Ok) return Status::Ok;
+  if (refine_interior(arm, start, target, guess, warm, out) == Status::Ok) return Status::Ok;
   const Status inside = refine_cell(arm, start, target, c, out);
   const Status edge = best_edge(arm, start, target, c.arc, edges_);
   if (edge != Status::Ok || (inside == Status::Ok && out.path.energy <= edges_.path.energy)) return inside;

@@ -45,7 +45,7 @@ class SwivelSearch {
 
   [[nodiscard]] const SelfMotionLoop& loop_of(int arc) const;
   bool sample_energy(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,
-                     const GeodesicOptions& options, const EnergySample* beside, EnergySample& sample);
+                     const GeodesicOptions& options, EnergySample* beside, EnergySample& sample);
   bool try_cold(const ArmModel& arm, const Posture& start, const GeodesicOptions& options, bool solved,
                 EnergySample& sample);
   void sample_arc(const ArmModel& arm, const Posture& start, const Vec3& target, int arc);

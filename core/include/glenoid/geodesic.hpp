@@ -32,10 +32,14 @@ struct Certificate {
   LimitViolation limits;
 };
 
+/// Grids up to this order give sketches: paths with nodes only (see finish_path) and a certificate without tail, gradient
+/// and speed variation.
+inline constexpr int kSketchOrder = 12;
+
 struct GeodesicOptions {
   double tail_tolerance = 1e-6;  ///< refine until spectral_tail is below this
   int first_order = 8;           ///< grid of the first, loose solution; orders are 6, 8, 12, 16, 24, 40, 64
-  int max_order = kMaxPathOrder;  ///< the finest grid that may be used; up to 12 the certificate has no gradient nor speed variation
+  int max_order = kMaxPathOrder;  ///< the finest grid that may be used; up to kSketchOrder the result is a sketch
   double step_tolerance = 1e-6;  ///< rad; a full Newton step below this ends the iteration, what is left is about its square
   bool long_way = false;         ///< a cold start turns the long way round: the other homotopy class
 };
@@ -56,7 +60,8 @@ class GeodesicSolver {
   /// Path from start to end in the short rotation class (or the other class where only that converges).
   /// @return NotFinite, NoConvergence. `path` and `certificate` are valid only for Ok.
   /// @alloc none
-  /// @param warm  an earlier path between nearby postures to start from, or null; may be the same object as `path`
+  /// @param warm  an earlier path between nearby postures to start from, or null; may be the same object as `path`.
+  ///              A sketch of another order than options.first_order must have been finished.
   Status solve(const ArmModel& arm, const Posture& start, const Posture& end, const GeodesicOptions& options,
                const GeodesicPath* warm, GeodesicPath& path, Certificate& certificate) noexcept;
 
