@@ -7,7 +7,14 @@ import re
 import sys
 from pathlib import Path
 
-PYTHON_TYPE = {"double": "float", "float": "float", "int64_t": "int", "int32_t": "int", "int16_t": "int", "int8_t": "int"}
+PYTHON_TYPE = {
+    "double": "float",
+    "float": "float",
+    "int64_t": "int",
+    "int32_t": "int",
+    "int16_t": "int",
+    "int8_t": "int",
+}
 MEMBER = re.compile(r"^(?:const )?(\w+)\s+(.+);$")
 COMMENT = re.compile(r"\s*//.*")
 

@@ -12,7 +12,9 @@ import typer
 from glenoid.cli.demo import demo
 from glenoid.cli.info import info
 from glenoid.cli.plan import plan
+from glenoid.cli.replay import replay
 from glenoid.cli.simulate import simulate
+from glenoid.cli.source import source
 from glenoid.inputs import InputError
 
 app = typer.Typer(
@@ -23,7 +25,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
-for command in (plan, simulate, info, demo):
+for command in (plan, simulate, replay, source, info, demo):
     app.command()(command)
 
 

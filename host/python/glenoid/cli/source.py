@@ -1,0 +1,58 @@
+"""`glenoid source`: the FMU as a source of setpoints."""
+
+from __future__ import annotations
+
+from glenoid.cli import options as opt
+from glenoid.cli.plan import plan_with_device
+from glenoid.cli.replay import AllowNetwork, Force, Rate, Timeout, Url, send
+from glenoid.devices import JOINTS, load_device
+from glenoid.findings import describe_refusal
+from glenoid.fmus import fmu_path
+from glenoid.inputs import InputError
+from glenoid.publisher import DEFAULT_URL, Publisher
+from glenoid.source import FmuMotion
+
+
+def source(
+    reach: opt.ReachFile = None,
+    subject: opt.SubjectFile = None,
+    start_deg: opt.StartDeg = None,
+    start_rad: opt.StartRad = None,
+    target: opt.Target = None,
+    duration: opt.Duration = None,
+    rhythm: opt.Rhythm = None,
+    swivel: opt.Swivel = None,
+    limits: opt.Limits = None,
+    exo: opt.ExoName = "generic_75_75",
+    rate_hz: Rate = 500.0,
+    url: Url = DEFAULT_URL,
+    allow_network: AllowNetwork = False,
+    force: Force = False,
+    timeout_s: Timeout = 10.0,
+) -> None:
+    """Run the FMU in real time and send its joint motion to the bridge.
+
+    Example: glenoid source host/examples/reach_to_head.yaml --exo generic_75_75
+    """
+    options = opt.reach_options(
+        start_deg=start_deg,
+        start_rad=start_rad,
+        target=target,
+        duration=duration,
+        rhythm=rhythm,
+        gain=None,
+        smoothing=None,
+        metric=None,
+        swivel=swivel,
+        swivel_rad=None,
+    )
+    given = opt.assemble(reach, subject, limits, options)
+    planned, _ = plan_with_device(given, 100.0, exo)
+    if not planned.ok:
+        raise InputError(f"REFUSED  {describe_refusal(planned)}")
+    publisher = Publisher(url, allow_network)
+    motion = FmuMotion(given, load_device(exo or "generic_75_75"), fmu_path("3"), 1.0 / rate_hz)
+    try:
+        send(publisher, motion, len(JOINTS), rate_hz, force, timeout_s)
+    finally:
+        motion.close()
