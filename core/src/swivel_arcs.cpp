@@ -69,6 +69,65 @@ struct Explorer {
   }
 };
 
+/// Adds samples on both sides of the elevation below which the limit on eta does not apply: the margin jumps there, and an
+/// arc or a gap beside the jump may be narrower than the ring's spacing.
+struct JumpFinder {
+  const ArmModel& arm;
+  const Vec3& wrist;
+  const SelfMotionLoop& loop;
+  FeasibleSet& out;
+  int jumps = 0;
+
+  RingSample at(double psi, double opening) const {
+    RingSample s;
+    s.opening = opening;
+    sample_loop(arm, wrist, loop, psi, s);
+    if (!s.exists) s.margin.margin_rad = -1e3;
+    return s;
+  }
+
+  /// Cosine of the elevation; the sample of a ray without a posture counts as raised.
+  static double height(const RingSample& s) { return s.exists ? s.posture.R_TU(2, 2) : -1.0; }
+  static bool below(const RingSample& s) { return height(s) > std::cos(kEtaLimitMinElevation); }
+
+  /// Sample of least elevation between two.
+  RingSample lowest(double a, double b, double opening) const {
+    for (int it = 0; it < 24; ++it) {
+      const double c = a + (b - a) / 3.0, d = b - (b - a) / 3.0;
+      const bool left = height(at(c, opening)) > height(at(d, opening));
+      (left ? b : a) = left ? d : c;
+    }
+    return at(0.5 * (a + b), opening);
+  }
+
+  /// Samples just above and just below the elevation, between one above and one below it.
+  void add_jump(RingSample above, RingSample under) {
+    if (jumps == FeasibleSet::kMaxJumps) return;
+    while (std::abs(above.psi - under.psi) > kEdgeTolerance) {
+      const RingSample middle = at(0.5 * (above.psi + under.psi), under.opening);
+      (below(middle) ? under : above) = middle;
+    }
+    for (const RingSample& s : {above, under}) out.ring[static_cast<std::size_t>(out.samples++)] = s;
+    ++jumps;
+  }
+
+  /// Looks beside sample k of the first `ring` ones; their distance is `spacing`, and the upper arm turns by less than that.
+  void look(int k, int ring, double spacing) {
+    RingSample s0 = out.ring[static_cast<std::size_t>((k + ring - 1) % ring)];
+    const RingSample s1 = out.ring[static_cast<std::size_t>(k)];
+    RingSample s2 = out.ring[static_cast<std::size_t>((k + 1) % ring)];
+    s0.psi = s1.psi - spacing;
+    s2.psi = s1.psi + spacing;
+    if (below(s1) != below(s2)) below(s1) ? add_jump(s2, s1) : add_jump(s1, s2);
+    const bool dips = height(s1) > height(s0) && height(s1) >= height(s2) && !below(s0) && !below(s1) && !below(s2);
+    if (!dips || height(s1) < std::cos(kEtaLimitMinElevation + spacing)) return;
+    const RingSample under = lowest(s0.psi, s2.psi, s1.opening);
+    if (!below(under)) return;
+    add_jump(under.psi < s1.psi ? s0 : s1, under);
+    add_jump(under.psi < s1.psi ? s1 : s2, under);
+  }
+};
+
 struct Crossing {
   double psi;
   bool enters;  ///< from infeasible to feasible with growing psi
@@ -97,9 +156,7 @@ double extrapolate(const RingSample* s) {
   return s[-1].exists && s[-2].exists && s[-3].exists ? 3.0 * (s[-1].opening - s[-2].opening) + s[-3].opening : 0.0;
 }
 
-void scan_loop(const ArmModel& arm, const Vec3& wrist, int index, int ring, FeasibleSet& out) {
-  const SelfMotionLoop& loop = out.motion.loops[static_cast<std::size_t>(index)];
-  Explorer explorer{arm, wrist, loop, out};
+void sample_ring(const ArmModel& arm, const Vec3& wrist, const SelfMotionLoop& loop, int ring, FeasibleSet& out) {
   const double spacing = 2.0 * kPi / ring;
   double opening = 0.0;
   for (int k = 0; k < ring; ++k) {
@@ -110,40 +167,58 @@ void scan_loop(const ArmModel& arm, const Vec3& wrist, int index, int ring, Feas
     if (!s.exists) s.margin.margin_rad = -1e3;
     if (s.margin.margin_rad > out.best.margin_rad) out.best = s.margin;
   }
-  const auto at = [&out, ring](int k) -> const RingSample& {
-    return out.ring[static_cast<std::size_t>((k + ring) % ring)];
-  };
+  out.samples = ring;
+  JumpFinder finder{arm, wrist, loop, out};
+  for (int k = 0; k < ring; ++k) finder.look(k, ring, spacing);
+  if (out.samples == ring) return;
+  for (int k = ring; k < out.samples; ++k) {
+    double& psi = out.ring[static_cast<std::size_t>(k)].psi;
+    psi -= 2.0 * kPi * std::floor(psi / (2.0 * kPi));
+  }
+  std::sort(out.ring.begin(), out.ring.begin() + out.samples,
+            [](const RingSample& a, const RingSample& b) { return a.psi < b.psi; });
+}
+
+void scan_loop(const ArmModel& arm, const Vec3& wrist, int index, int ring, FeasibleSet& out) {
+  const SelfMotionLoop& loop = out.motion.loops[static_cast<std::size_t>(index)];
+  Explorer explorer{arm, wrist, loop, out};
+  sample_ring(arm, wrist, loop, ring, out);
   std::array<Crossing, 2 * FeasibleSet::kMaxArcs> crossings;
   int count = 0;
   const auto add = [&crossings, &count](double psi, bool enters) {
     if (count < static_cast<int>(crossings.size())) crossings[static_cast<std::size_t>(count++)] = {psi, enters};
   };
-  for (int k = 0; k < ring; ++k) {
-    const RingSample &s0 = at(k - 1), &s1 = at(k), &s2 = at(k + 1);
+  const int last = out.samples - 1;
+  const double hidden = kNarrow * FeasibleSet::kRing / ring;
+  for (int k = 0; k <= last; ++k) {
+    const RingSample &s0 = out.ring[static_cast<std::size_t>(k > 0 ? k - 1 : last)],
+                     &s1 = out.ring[static_cast<std::size_t>(k)],
+                     &s2 = out.ring[static_cast<std::size_t>(k < last ? k + 1 : 0)];
     const double m0 = slack(s0), m1 = slack(s1), m2 = slack(s2);
-    const double psi = k * spacing, hidden = kNarrow * FeasibleSet::kRing / ring;
+    const double before = s0.psi - (k > 0 ? 0.0 : 2.0 * kPi), psi = s1.psi,
+                 after = s2.psi + (k < last ? 0.0 : 2.0 * kPi);
     const bool all_in = m0 >= 0.0 && m1 >= 0.0 && m2 >= 0.0, all_out = m0 < 0.0 && m1 < 0.0 && m2 < 0.0;
     const bool narrow_arc = all_out && m1 >= m0 && m1 > m2 && m1 > -hidden;
     const bool narrow_gap = all_in && m1 <= m0 && m1 < m2 && m1 < hidden;
     if (narrow_arc || narrow_gap) {
       double value = 0.0;
-      const double top = explorer.extremum(psi - spacing, psi + spacing, narrow_arc ? 1.0 : -1.0, s1.opening, value);
+      const double top = explorer.extremum(before, after, narrow_arc ? 1.0 : -1.0, s1.opening, value);
       if (narrow_arc == (value >= 0.0)) {
         if (narrow_arc) {
-          add(explorer.edge(top, psi - spacing, value, m0, s1.opening), true);
-          add(explorer.edge(top, psi + spacing, value, m2, s1.opening), false);
+          add(explorer.edge(top, before, value, m0, s1.opening), true);
+          add(explorer.edge(top, after, value, m2, s1.opening), false);
         } else {
-          add(explorer.edge(psi - spacing, top, m0, value, s1.opening), false);
-          add(explorer.edge(psi + spacing, top, m2, value, s1.opening), true);
+          add(explorer.edge(before, top, m0, value, s1.opening), false);
+          add(explorer.edge(after, top, m2, value, s1.opening), true);
         }
       }
     }
-    if (m1 >= 0.0 && m2 < 0.0) add(explorer.edge(psi, psi + spacing, m1, m2, s1.opening), false);
-    if (m1 < 0.0 && m2 >= 0.0) add(explorer.edge(psi + spacing, psi, m2, m1, s2.opening), true);
+    if (m1 >= 0.0 && m2 < 0.0) add(explorer.edge(psi, after, m1, m2, s1.opening), false);
+    if (m1 < 0.0 && m2 >= 0.0) add(explorer.edge(after, psi, m2, m1, s2.opening), true);
   }
   std::sort(crossings.begin(), crossings.begin() + count,
             [](const Crossing& a, const Crossing& b) { return a.psi < b.psi; });
-  connect(crossings, count, slack(at(0)) >= 0.0, index, out);
+  connect(crossings, count, slack(out.ring[0]) >= 0.0, index, out);
 }
 
 }  // namespace

@@ -27,20 +27,22 @@ struct FeasibleArc {
 struct FeasibleSet {
   static constexpr int kRing = 72;
   static constexpr int kFineRing = 4 * kRing;
+  static constexpr int kMaxJumps = 8;  ///< passes of the elevation below which the limit on eta does not apply
   static constexpr int kMaxArcs = 16;
   SelfMotion motion;
   int count = 0;
   std::array<FeasibleArc, kMaxArcs> arcs;
-  LimitMargin best;                        ///< largest margin seen over all postures of the target
-  std::array<RingSample, kFineRing> ring;  ///< scratch
+  LimitMargin best;                                        ///< largest margin seen over all postures of the target
+  int samples = 0;                                         ///< in the ring, by growing psi
+  std::array<RingSample, kFineRing + 2 * kMaxJumps> ring;  ///< scratch
 };
 
 /// Evaluates the posture at psi and its margin. `sample.opening` is used as guess.
 void sample_loop(const ArmModel& arm, const Vec3& wrist, const SelfMotionLoop& loop, double psi,
                  RingSample& sample) noexcept;
 
-/// Finds every feasible arc: a ring of samples, edges by a bracketed root of the margin, arcs and gaps narrower than the
-/// ring's spacing by its local extrema. @alloc none
+/// Finds every feasible arc: a ring of samples, denser where the margin jumps; edges by a bracketed root of the margin, arcs
+/// and gaps narrower than the ring's spacing by its local extrema. @alloc none
 void find_feasible_arcs(const ArmModel& arm, const Vec3& wrist, FeasibleSet& out) noexcept;
 
 }  // namespace glenoid
