@@ -99,8 +99,11 @@ void Bridge::Implementation::sync(std::int64_t cycle, std::int64_t time_ns, Outp
   sync_sequence_ = gate_.sequence();
   sync_session_ = session_;
   ++cycles_;
+  // The step that follows will stop; a SYNC now would make an old command active.
+  const bool overslept = (armed() || arming_) && last_step_ns_ >= 0 &&
+                         time_ns - last_step_ns_ > settings_.quick_stop_after_ns;
   for (std::size_t b = 0; b < buses_.size(); ++b) {
-    sync_sent_[b] = buses_[b].clear();
+    sync_sent_[b] = buses_[b].clear() && !overslept && (!stopped() || stop_sent_[b]);
     if (sync_sent_[b]) outputs.bus[b].frames.push(canopen::sync());
   }
 }
@@ -180,8 +183,10 @@ void Bridge::Implementation::send() noexcept {
     if (nodes_[j].operational() && nodes_[j].has_feedback() && buses_[b].clear())
       outputs_->bus[b].frames.push(encode(settings_.joints[j].node, Rpdo1{joints_[j].controlword, joints_[j].target}));
   }
-  for (std::size_t b = 0; b < buses_.size(); ++b)
+  for (std::size_t b = 0; b < buses_.size(); ++b) {
+    stop_sent_[b] = stop_sent_[b] || buses_[b].clear();
     for (const can::Frame& frame : outputs_->bus[b].frames) buses_[b].receive(frame);
+  }
 }
 
 void Bridge::Implementation::send_heartbeats(bool suppressed) noexcept {

@@ -69,7 +69,8 @@ Rejection Gate::reach(const Setpoint& setpoint, const Command& command) noexcept
     const double step = std::abs(q - from);
     if (!command.moving && step > joint.start_window_rad)
       return refuse(Rejection::StartDistance, j, step, joint.start_window_rad);
-    const double reachable = joint.step_rad + ahead_s * joint.velocity_rad_per_s;
+    const double apart = command.joining ? std::max(joint.step_rad, joint.start_window_rad) : joint.step_rad;
+    const double reachable = apart + ahead_s * joint.velocity_rad_per_s;
     if (command.moving && step > reachable) return refuse(Rejection::Step, j, step, reachable);
     if (joint.on_limit == OnLimit::Clamp) continue;  // the limiter brings it inside and counts
     if (q < std::min(joint.lower_rad, from)) return refuse(Rejection::Position, j, q, joint.lower_rad);

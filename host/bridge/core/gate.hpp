@@ -25,6 +25,7 @@ class Gate {
     std::span<const double> position_rad;  ///< previous command of each joint
     std::int64_t stamp_ns = 0;             ///< instant of the producer's clock it stands for
     bool moving = false;                   ///< a motion runs; before that the start windows apply
+    bool joining = false;                  ///< it has not been caught up with yet: up to the start window is normal
   };
 
   /// @param now_ns  our clock

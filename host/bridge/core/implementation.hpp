@@ -145,6 +145,7 @@ class Bridge::Implementation {
   std::int64_t sync_session_ = 0;
   std::array<bool, kMaxBuses> sync_sent_{};
   std::array<bool, kMaxBuses> link_told_{};
+  std::array<bool, kMaxBuses> stop_sent_{};  // since the stop: no SYNC may make an older command active before it
   std::int64_t heartbeat_ns_ = -1;
   std::size_t sdo_turn_ = 0;
 

@@ -41,7 +41,8 @@ void Bridge::Implementation::reject(Rejection reason) noexcept {
 }
 
 void Bridge::Implementation::take(const Setpoint& setpoint) noexcept {
-  const Gate::Command command{command_rad(), command_stamp(sync_ns_), state_ == State::Run || state_ == State::Hold};
+  const Gate::Command command{command_rad(), command_stamp(sync_ns_), state_ == State::Run || state_ == State::Hold,
+                              blending_ || state_ == State::Hold};
   const Rejection reason = gate_.check(setpoint, now_ns_, command, clock_);
   if (reason != Rejection::None) {
     reject(reason);

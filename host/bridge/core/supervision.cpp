@@ -144,6 +144,7 @@ void Bridge::Implementation::trip(Fault fault, const Subject& subject, double va
   stopped_ns_ = now_ns_;
   arming_ = stopping_ = disarm_at_rest_ = blending_ = false;
   start_since_ns_ = -1;
+  stop_sent_.fill(false);
   gate_.close();
   resampler_.clear();
   for (BusMonitor& bus : buses_) bus.request_purge();
