@@ -40,13 +40,11 @@ void Reference::slow_down(double deceleration) noexcept {
 }
 
 void Reference::advance(double step_s) noexcept {
-  if (mode_ == Mode::Line) {
-    left_s_ -= step_s;
-    if (left_s_ > kInstant_s) {
-      position_ = target_ - velocity_ * left_s_;
-    } else {
-      hold(target_);
-    }
+  if (mode_ == Mode::Line && left_s_ <= kInstant_s) {
+    hold(target_);  // one step later than it was reached: a stop that begins right then begins with the line's velocity
+  } else if (mode_ == Mode::Line) {
+    left_s_ = std::max(left_s_ - step_s, 0.0);
+    position_ = target_ - velocity_ * left_s_;
   } else if (mode_ == Mode::Ramp) {
     const double change = deceleration_ * step_s;
     if (std::abs(velocity_) <= change) {
