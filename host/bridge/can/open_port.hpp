@@ -28,8 +28,8 @@ std::vector<Filter> master_filters(std::span<const std::uint8_t> nodes, std::uin
 std::vector<Filter> drive_filters(std::span<const std::uint8_t> nodes, std::uint8_t master_id);
 
 struct PortOptions {
-  std::vector<Filter> filters;  ///< empty: everything; error frames always pass
-  bool echo = true;             ///< own frames come back through `receive`, marked, when they reached the bus
+  std::vector<Filter> filters{};  ///< empty: everything; error frames always pass
+  bool echo = true;               ///< own frames come back through `receive`, marked, when they reached the bus
   int receive_buffer_bytes = 1024 * 1024;  ///< of the kernel; it may grant less
   MemoryBus* memory = nullptr;             ///< the bus that `memory:` joins; must outlive the port
 };

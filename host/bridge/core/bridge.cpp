@@ -114,6 +114,7 @@ void Bridge::Implementation::step(std::int64_t time_ns, const Inputs& inputs, Ou
   now_ns_ = time_ns;
   entropy_ = inputs.entropy;
   local_estop_ = inputs.local_estop;
+  arming_obstacle_ = inputs.arming_obstacle;
   reporter_.begin(time_ns, outputs);
   receive(inputs);
   supervise(inputs);

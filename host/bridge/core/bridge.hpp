@@ -30,11 +30,12 @@ struct Inputs {
   std::array<BusInput, kMaxBuses> bus{};
   std::span<const Setpoint> setpoints;  ///< oldest first
   std::span<const Command> commands;
-  std::int64_t undecodable = 0;     ///< setpoint messages of wrong size or type
-  std::int64_t entropy = 0;         ///< fresh random bits, used for the token when arming
-  bool local_estop = false;         ///< level of the local input
-  bool shutdown = false;            ///< come to rest, disarm and stay so
-  bool suppress_heartbeat = false;  ///< dead-man self-test: the master falls silent
+  std::int64_t undecodable = 0;           ///< setpoint messages of wrong size or type
+  std::int64_t entropy = 0;               ///< fresh random bits, used for the token when arming
+  bool local_estop = false;               ///< level of the local input
+  bool shutdown = false;                  ///< come to rest, disarm and stay so
+  const char* arming_obstacle = nullptr;  ///< why arming is not permitted here, null: it is
+  bool suppress_heartbeat = false;        ///< dead-man self-test: the master falls silent
 };
 
 struct BusOutput {

@@ -122,6 +122,7 @@ class Bridge::Implementation {
   std::int64_t session_ = 0;
   std::int64_t entropy_ = 0;
   bool local_estop_ = false;
+  const char* arming_obstacle_ = nullptr;
   bool shutting_down_ = false;
 
   bool arming_ = false;

@@ -39,6 +39,7 @@ void Bridge::Implementation::take(const Command& command) noexcept {
 const char* Bridge::Implementation::obstacle_to_arming() const noexcept {
   if (stopped()) return "a stop is latched, reset it first";
   if (state_ != State::Idle || arming_) return "armed already";
+  if (arming_obstacle_ != nullptr) return arming_obstacle_;
   if (local_estop_) return "the local e-stop is pressed";
   for (const BusMonitor& bus : buses_) {
     if (!bus.writable()) return "a bus is down";

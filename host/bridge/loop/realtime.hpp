@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace glenoid::bridge {
+
+/// CLOCK_MONOTONIC and CLOCK_REALTIME, ns.
+[[nodiscard]] std::int64_t monotonic_ns() noexcept;
+[[nodiscard]] std::int64_t realtime_ns() noexcept;
+/// Processor time of the calling thread, ns.
+[[nodiscard]] std::int64_t thread_cpu_ns() noexcept;
+
+/// Sleeps until an instant of CLOCK_MONOTONIC; a signal does not end it.
+void sleep_until(std::int64_t time_ns) noexcept;
+
+/// Makes the calling thread real-time as far as the machine permits: SCHED_FIFO, memory locked, stack touched.
+/// @param priority  1..99, 0: ordinary scheduling
+/// @return what was not permitted, one sentence each; empty: everything was
+[[nodiscard]] std::vector<std::string> become_realtime(int priority);
+
+}  // namespace glenoid::bridge
