@@ -1,5 +1,6 @@
 #include "curve_table.hpp"
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -12,17 +13,28 @@ namespace {
 constexpr double kLeastRaised = 0x1p-10;  // 1 + c, theta = 177.5 deg; the curve has a kink at the arm straight up
 constexpr int kPerOctave = 4;             // panels; a singularity at the end of the side is then 9 half widths away
 
+/// cos(k (i + 1/2) pi / N): Chebyshev polynomial k at node i.
+template <std::size_t N>
+std::array<std::array<double, N>, N> chebyshev_at_nodes() {
+  std::array<std::array<double, N>, N> table;
+  for (std::size_t k = 0; k < N; ++k) {
+    for (std::size_t i = 0; i < N; ++i) {
+      table[k][i] = std::cos(kPi * static_cast<double>(k) * (static_cast<double>(i) + 0.5) / N);
+    }
+  }
+  return table;
+}
+
 /// Coefficients in powers of t of the polynomial through Chebyshev nodes. value[i] belongs to cos((i + 1/2) pi / N).
 template <std::size_t N>
 void monomials(const double (&value)[N], double (&out)[N]) {
+  static const auto kChebyshev = chebyshev_at_nodes<N>();
   double before[N] = {}, now[N] = {}, next[N] = {};  // Chebyshev polynomials of degree k - 1, k, k + 1
   now[0] = 1.0;
   for (double& c : out) c = 0.0;
   for (std::size_t k = 0; k < N; ++k) {
     double sum = 0.0;
-    for (std::size_t i = 0; i < N; ++i) {
-      sum += value[i] * std::cos(kPi * static_cast<double>(k) * (static_cast<double>(i) + 0.5) / N);
-    }
+    for (std::size_t i = 0; i < N; ++i) sum += kChebyshev[k][i] * value[i];
     const double weight = (k == 0 ? 1.0 : 2.0) / N;
     for (std::size_t j = 0; j < N; ++j) out[j] += weight * sum * now[j];
     for (std::size_t j = 0; j < N; ++j) {

@@ -239,12 +239,4 @@ void DiscreteGeodesic::store(GeodesicPath& path) const noexcept {
   for (int k = 0; k <= order(); ++k) path.nodes[static_cast<std::size_t>(k)] = posture(k);
 }
 
-double DiscreteGeodesic::spectral_tail(const GeodesicPath& path) noexcept {
-  double tail = 0.0;
-  for (int n = path.order - 1; n <= path.order; ++n) {
-    for (const double c : path.legendre[static_cast<std::size_t>(n)]) tail = std::max(tail, std::abs(c));
-  }
-  return tail;
-}
-
 }  // namespace glenoid

@@ -50,7 +50,6 @@ class DiscreteGeodesic {
 
   /// Order, energy and nodes; finish_path makes the rest of it.
   void store(GeodesicPath& path) const noexcept;
-  [[nodiscard]] static double spectral_tail(const GeodesicPath& path) noexcept;
 
  private:
   static constexpr std::size_t kNodes = kMaxPathOrder + 1;

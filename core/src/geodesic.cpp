@@ -24,6 +24,7 @@ constexpr double kSaddleStep = 1e-6;       // rad; what a step must reach where 
 constexpr double kLeastDamping = 1e-3;
 constexpr double kUnresolved = 1e-2;  // spectral tail of a path that the finest grid does not resolve
 constexpr double kHopeless = 2.5;     // times the energy in hand: a first guess beyond it does not become cheaper
+constexpr int kFirstCertified = 16;   // coarser grids are always refined
 constexpr int kRetryOrder = 24;       // first grid of a second attempt in the short class
 
 bool finite(const Posture& p) { return p.R_TU.allFinite() && std::isfinite(p.phi); }
@@ -135,6 +136,25 @@ bool turns_long_way(const DiscreteGeodesic& d) {
   return first.dot(previous) < 0.0;
 }
 
+/// Size of the Legendre coefficients of two degrees.
+double coefficient_size(const GeodesicPath& path, int degree) {
+  double size = 0.0;
+  for (int n = degree - 1; n <= degree; ++n) {
+    for (const double c : path.legendre[static_cast<std::size_t>(n)]) size = std::max(size, std::abs(c));
+  }
+  return size;
+}
+
+/// Order at which the coefficients will be below `tolerance`, if they go on falling as they did over the last eight degrees.
+int next_order(const GeodesicPath& path, double tolerance) {
+  if (path.order < kFirstCertified) return kFirstCertified;
+  double size = coefficient_size(path, path.order);
+  const double fall = std::sqrt(std::sqrt(size / coefficient_size(path, path.order - 8)));  // over two degrees
+  int order = path.order + 1;
+  for (; fall < 1.0 && size > tolerance && order < kMaxPathOrder; order += 2) size *= fall;
+  return order;
+}
+
 }  // namespace
 
 struct GeodesicSolver::Workspace {
@@ -171,20 +191,20 @@ Status GeodesicSolver::Workspace::run(const ArmModel& arm, const Posture& start,
   const bool sketch = options.max_order <= kSketchOrder;
   while (true) {
     Newton newton{d, arm, c};
-    const bool refine_anyway = d.order() < 16 && d.order() < options.max_order;
+    const bool refine_anyway = d.order() < kFirstCertified && d.order() < options.max_order;
     const bool converged = newton.run(refine_anyway ? kLooseStep : options.step_tolerance);
     const bool last = d.order() >= options.max_order;
     if (!converged && last) return Status::NoConvergence;
     d.store(path);
     if (last && sketch) break;
     finish_path(path);
-    c.spectral_tail = d.spectral_tail(path);
+    c.spectral_tail = coefficient_size(path, path.order);
     const bool done = converged && !refine_anyway && c.spectral_tail <= options.tail_tolerance;
     if (last && c.spectral_tail > kUnresolved) {
       return Status::NoConvergence;  // a solution of the discrete problem, but not of the continuous one
     }
     if (done || last) break;
-    d.set_order(d.order() < 16 ? std::min(16, options.max_order) : d.order() + 1);
+    d.set_order(std::min(next_order(path, options.tail_tolerance), options.max_order));
     for (int k = 0; k <= d.order(); ++k) {
       const bool fixed = k == 0 || k == d.order();
       d.posture(k) = fixed ? (k == 0 ? path.nodes[0] : path.nodes[static_cast<std::size_t>(path.order)])

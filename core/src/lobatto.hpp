@@ -17,7 +17,7 @@ struct Lobatto {
 };
 
 /// Grids in the order of refinement.
-inline constexpr int kOrders[] = {6, 8, 12, 16, 24, 40, 64};
+inline constexpr int kOrders[] = {6, 8, 12, 16, 20, 24, 32, 40, 48, 64};
 
 /// Table of one of kOrders; built once, then shared and constant.
 const Lobatto& lobatto(int order) noexcept;

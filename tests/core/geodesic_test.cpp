@@ -59,12 +59,14 @@ TEST_P(RandomGeodesic, JoinsItsEnds) {
   EXPECT_LT(posture_distance(path_end(path_), pair_.end), 1e-14);
 }
 
-// With the exact Hessian the last step is followed by an error of its square; stiffness of the grid times metric is below 1e3.
-// Rounding of the gradient: that stiffness times 1e-16 per node, summed over the nodes.
-TEST_P(RandomGeodesic, ConvergesQuadratically) {
+// What the last step leaves is its square after a full step, and less than a tenth of it after a step with an earlier factor,
+// which is taken to 1e-7 rad. Stiffness of the grid times metric is below 1e3; rounding of the gradient is that stiffness
+// times 1e-16 per node, summed over the nodes.
+TEST_P(RandomGeodesic, LastStepLeavesNextToNothing) {
   if (!certificate_.hessian_positive) GTEST_SKIP() << "Gauss-Newton steps converge linearly";
-  EXPECT_LT(certificate_.newton_step_rad, 1e-6);
-  EXPECT_LT(certificate_.gradient, 1e3 * certificate_.newton_step_rad * certificate_.newton_step_rad + 1e-11);
+  const double step = certificate_.newton_step_rad;
+  EXPECT_LT(step, 1e-6);
+  EXPECT_LT(certificate_.gradient, 1e3 * (step < 1e-7 ? 0.1 * step : step * step) + 1e-11);
 }
 
 TEST_P(RandomGeodesic, HasConstantKineticEnergy) {

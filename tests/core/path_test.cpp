@@ -64,7 +64,7 @@ GeodesicPath turning_path(int order) {
 }
 
 class PathOrder : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Grids, PathOrder, testing::Values(6, 8, 12, 16, 24, 40, 64));
+INSTANTIATE_TEST_SUITE_P(Grids, PathOrder, testing::Values(6, 8, 12, 16, 20, 24, 32, 40, 48, 64));
 
 TEST_P(PathOrder, PassesThroughItsNodes) {
   const GeodesicPath path = turning_path(GetParam());

@@ -37,8 +37,8 @@ struct Certificate {
 inline constexpr int kSketchOrder = 12;
 
 struct GeodesicOptions {
-  double tail_tolerance = 1e-6;  ///< refine until spectral_tail is below this
-  int first_order = 8;           ///< grid of the first, loose solution; orders are 6, 8, 12, 16, 24, 40, 64
+  double tail_tolerance = 1e-7;  ///< refine until spectral_tail is below this
+  int first_order = 8;           ///< grid of the first, loose solution; orders are 6, 8, 12, 16, 20, 24, 32, 40, 48, 64
   int max_order = kMaxPathOrder;  ///< the finest grid that may be used; up to kSketchOrder the result is a sketch
   double step_tolerance = 1e-6;  ///< rad; a full Newton step below this ends the iteration, what is left is about its square
   bool long_way = false;         ///< a cold start turns the long way round: the other homotopy class
