@@ -52,21 +52,20 @@ void require(bool done, std::string_view what) {
   if (!done) throw std::runtime_error(failure(std::string("SocketCAN, ") + std::string(what), errno));
 }
 
-void set_filters(int descriptor, const std::vector<Filter>& filters) {
-  std::vector<can_filter> kernel;
+std::vector<can_filter> to_kernel(const std::vector<Filter>& filters) {
+  std::vector<can_filter> out;
   // The flags in the mask: neither extended nor remote frames of that number.
-  for (const Filter& filter : filters) kernel.push_back({filter.id, filter.mask | CAN_EFF_FLAG | CAN_RTR_FLAG});
-  if (kernel.empty()) return;
-  const auto bytes = static_cast<socklen_t>(kernel.size() * sizeof kernel[0]);
-  require(::setsockopt(descriptor, SOL_CAN_RAW, CAN_RAW_FILTER, kernel.data(), bytes) == 0, "filters (at most 512)");
+  for (const Filter& filter : filters) out.push_back({filter.id, filter.mask | CAN_EFF_FLAG | CAN_RTR_FLAG});
+  if (out.empty()) out.push_back({0, 0});
+  return out;
 }
 
 class SocketCanPort final : public Port {
  public:
   SocketCanPort(std::string_view name, const PortOptions& options)
-      : interface_(name), echo_(options.echo), socket_(open_socket()) {
+      : interface_(name), filters_(to_kernel(options.filters)), echo_(options.echo), socket_(open_socket()) {
     prepare_reception(socket_.get(), options.receive_buffer_bytes);
-    set_filters(socket_.get(), options.filters);
+    require(set_filters(), "filters (at most 512)");
     require(set_option(socket_.get(), SOL_CAN_RAW, CAN_RAW_ERR_FILTER, static_cast<int>(CAN_ERR_MASK)), "error frames");
     require(set_option(socket_.get(), SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, 1), "echoes");
     if (!bind()) throw std::runtime_error(failure("socketcan:" + std::string(name), errno, "ip link show type can"));
@@ -125,6 +124,11 @@ class SocketCanPort final : public Port {
   static constexpr std::size_t kBatch = 64;
   static constexpr int kMostRounds = 1024;  // receive buffers end before
 
+  bool set_filters() noexcept {
+    const auto bytes = static_cast<socklen_t>(filters_.size() * sizeof filters_[0]);
+    return ::setsockopt(socket_.get(), SOL_CAN_RAW, CAN_RAW_FILTER, filters_.data(), bytes) == 0;
+  }
+
   bool bind() noexcept {
     sockaddr_can address{};
     address.can_family = AF_CAN;
@@ -167,8 +171,9 @@ class SocketCanPort final : public Port {
 
   void look_for_interface() noexcept {
     const Link now = interface_.link(socket_.get());
-    // An interface that was unplugged and came back is a new one: the socket has to be bound to it again.
-    if (now == Link::Up && link_ == Link::Gone && !bind()) return;
+    // An interface that was unplugged and came back is a new one: the socket has to be bound to it again, and the kernel
+    // forgot the filters with the old one.
+    if (now == Link::Up && link_ == Link::Gone && !(set_filters() && bind())) return;
     link_ = now == Link::Down && link_ == Link::Gone ? Link::Gone : now;
   }
 
@@ -183,6 +188,7 @@ class SocketCanPort final : public Port {
   }
 
   Interface interface_;
+  std::vector<can_filter> filters_;
   bool echo_;
   Descriptor socket_;
   ReceiveBatch batch_;

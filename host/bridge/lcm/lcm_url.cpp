@@ -53,7 +53,9 @@ std::string route_warning(std::string_view url) {
   socklen_t size = sizeof address;
   auto* generic = reinterpret_cast<sockaddr*>(&address);
   if (::connect(socket.get(), generic, size) != 0 || ::getsockname(socket.get(), generic, &size) != 0) return {};
-  if (ntohl(address.sin_addr.s_addr) >> 24 == 127) return {};
+  // lo lends a multicast of scope link no address of its own.
+  const std::uint32_t source = ntohl(address.sin_addr.s_addr);
+  if (source == 0 || source >> 24 == 127) return {};
   return "the route of " + group +
          " does not go to lo: messages could leave this machine when its interfaces change; "
          "ip route add 224.0.0.0/4 dev lo";
