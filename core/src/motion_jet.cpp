@@ -90,7 +90,9 @@ void chain_rule(const ScalarJet& s, PostureJet& j) {
 void movement_jet(const MotionState& s, double time, PostureJet& out, ScalarJet* progress) noexcept {
   ScalarJet lambda{};
   if (s.moving != 0) {
-    const auto law = s.hand_timing == 2 ? homing_minimum_jerk : minimum_jerk;
+    const auto law = [&s](double t, double start, double duration) {
+      return s.hand_timing == 2 ? homing_minimum_jerk(t, start, duration) : minimum_jerk(t, start, duration);
+    };
     lambda = law(time, s.move_time_s, s.duration_s);
     if (s.fade_share > 0.0) {
       const ScalarJet early = law(time, s.move_time_s, s.fade_duration_s);

@@ -108,15 +108,11 @@ Status ReachPlanner::plan_prescribed(const ArmModel& arm, const Posture& start, 
 
 Status ReachPlanner::plan_human_prior(const ArmModel& arm, const Posture& start, const Vec3& target,
                                       const PosturePrior& prior, ReachPlan& out) noexcept {
-  if (!target.allFinite()) return Status::NotFinite;
-  const double wanted = prior.swivel(target);
-  const Status direct = plan_prescribed(arm, start, target, wanted, out);
-  if (direct == Status::Ok || direct == Status::NotFinite) return direct;
   SwivelSearch& search = workspace_->search;
   const Status prepared = search.prepare(arm, start, target, out);
   if (prepared != Status::Ok) return prepared;
   Posture end;
-  if (!nearest_feasible_posture(arm, target, search.feasible(), wanted, end)) return Status::NoConvergence;
+  if (!most_likely_posture(arm, target, search.feasible(), prior, end)) return Status::NoConvergence;
   const Status solved = search.solver.solve_cheapest(arm, start, end, {}, out.path, out.certificate);
   if (solved == Status::Ok) describe_reach(arm, target, out);
   return solved;

@@ -12,9 +12,9 @@ ScalarJet minimum_jerk(double t, double start, double duration) noexcept {
           60.0 * u * r * (r - u) / (duration * duration)};
 }
 
-ScalarJet homing_minimum_jerk(double t, double start, double duration) noexcept {
-  constexpr double kTail = 0.45, kMostTail = 0.6;  // per unit of ln(duration / 1 s); T5
-  const double b = std::clamp(kTail * std::log(duration), 0.0, kMostTail);
+ScalarJet homing_minimum_jerk(double t, double start, double duration, double tail) noexcept {
+  constexpr double kMostTail = 0.6;
+  const double b = std::clamp(tail * std::log(duration), 0.0, kMostTail);
   const double u = std::clamp((t - start) / duration, 0.0, 1.0);
   const ScalarJet s = minimum_jerk(u + b * u * (1.0 - u), 0.0, 1.0);
   const double rate = (1.0 + b * (1.0 - 2.0 * u)) / duration, bend = -2.0 * b / (duration * duration);

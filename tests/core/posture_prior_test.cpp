@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 
@@ -93,45 +94,82 @@ TEST(PosturePrior, RefusesCoefficientsByName) {
   EXPECT_TRUE(contains(refusal([&] { prior_at(arm, kStart, {nan, 0, 0, 0}); }), "posture_prior.height"));
   EXPECT_TRUE(contains(refusal([&] { prior_at(arm, kStart, {0, 11, 0, 0}); }), "posture_prior.lateral"));
   EXPECT_TRUE(contains(refusal([&] { prior_at(arm, kStart, {0, 0, 1.5, 0}); }), "posture_prior.regression"));
+  EXPECT_TRUE(contains(refusal([&] { prior_at(arm, kStart, {0, 0, 0, 0, -1}); }), "posture_prior.effort"));
 }
 
 // --- Planning with it ----------------------------------------------------------------------------------------------
 
-double distance_of(double swivel, double wanted) { return std::abs(std::remainder(swivel - wanted, 2.0 * kPi)); }
+/// A random target that the limits allow.
+Vec3 feasible_target(const ArmModel& arm, Random& random) {
+  Posture end = posture_from_angles(random_angles(random));
+  while (limit_margin(arm.limits, end).margin_rad < 0.05) end = posture_from_angles(random_angles(random));
+  return forward_kinematics(arm, end).wrist;
+}
 
-TEST(HumanPriorPlan, HasTheExpectedSwivelOrTheNearestWithinTheLimits) {
+TEST(PosturePrior, CostIsZeroForTheAnchorAndCountsSwivelAndRotation) {
+  Random random(4);
+  const ArmModel arm = default_arm();
+  for (int i = 0; i < test_count(50); ++i) {
+    const Posture anchor = posture_from_angles(random_angles(random, {0.2, 2.5, 0.2, 2.5}));
+    const double own = swivel_angle(forward_kinematics(arm, anchor));
+    const PosturePrior prior = prior_at(arm, anchor);
+    EXPECT_NEAR(prior.cost(arm, anchor, own), 0.0, 1e-14);
+    EXPECT_NEAR(prior.cost(arm, anchor, own + 0.4), std::pow(2.0 * std::sin(0.2), 2), 1e-12);
+    EXPECT_NEAR(prior.cost(arm, anchor, own + 2.0 * kPi), 0.0, 1e-14);
+    const Posture turned = posture_from_angles(random_angles(random, {0.2, 2.5, 0.2, 2.5}));
+    const double angle = Eigen::AngleAxisd(Mat3(anchor.R_TU.transpose() * turned.R_TU)).angle();
+    const double swivel = swivel_angle(forward_kinematics(arm, turned));
+    EXPECT_NEAR(prior.cost(arm, turned, swivel), PosturePriorCoefficients{}.effort * angle * angle, 1e-9);
+  }
+}
+
+TEST(PosturePrior, CostOfAStraightArmIsThatOfAHardlyBentOne) {
+  Random random(5);
+  const ArmModel arm = default_arm();
+  const PosturePrior prior = prior_at(arm, kStart);
+  for (int i = 0; i < test_count(50); ++i) {
+    Vec4 q = random_angles(random, {0.3, 2.0, 0.0, 0.0});
+    const double straight = prior.cost(arm, posture_from_angles(q), 0.6);
+    q[kPhi] = 1e-6;
+    EXPECT_NEAR(prior.cost(arm, posture_from_angles(q), 0.6), straight, 2e-5);  // slope of the cost below 20 per rad
+  }
+}
+
+TEST(HumanPriorPlan, FindsTheLeastUnlikelyPostureWithinTheLimits) {
   Random random(3);
   ReachPlanner planner;
   ReachPlan plan;
   Family family;
-  int direct = 0, clipped = 0;
   for (int i = 0; i < test_count(60); ++i) {
     const ArmModel arm = default_arm({RhythmModel::Measured, 1.0, 0.1});
-    Posture end;
-    do end = posture_from_angles(random_angles(random));
-    while (limit_margin(arm.limits, end).margin_rad < 0.05);
-    const Vec3 target = forward_kinematics(arm, end).wrist;
+    const Vec3 target = feasible_target(arm, random);
     const PosturePrior prior = prior_at(arm, kStart);
     ASSERT_EQ(planner.plan_human_prior(arm, kStart, target, prior, plan), Status::Ok) << "case " << i;
     EXPECT_LT(plan.certificate.hand_error_m, 1e-8);
     const Posture& found = plan.path.nodes[static_cast<std::size_t>(plan.path.order)];
     EXPECT_GE(limit_margin(arm.limits, found).margin_rad, -1e-6);
-    const double off = distance_of(plan.swivel_rad, prior.swivel(target));
-    if (off < 1e-6) {
-      ++direct;
-      continue;
-    }
-    ++clipped;
-    ASSERT_EQ(planner.sample_family(arm, kStart, target, 360, family), Status::Ok);
+    const double least = prior.cost(arm, found, prior.swivel(target));
+    ASSERT_EQ(planner.sample_family(arm, kStart, target, 180, family), Status::Ok);
     for (int k = 0; k < family.count; ++k) {
       const FamilyMember& m = family.members[static_cast<std::size_t>(k)];
       if (m.margin.margin_rad >= 0.0) {
-        EXPECT_GE(distance_of(m.swivel_rad, prior.swivel(target)), off - 1e-6) << "case " << i;
+        EXPECT_LE(least, prior.cost(arm, m.end, prior.swivel(target)) + 1e-9) << "case " << i;
       }
     }
   }
-  EXPECT_GT(direct, 0);
-  EXPECT_GT(clipped, 0) << "some random targets must need the limits";
+}
+
+TEST(HumanPriorPlan, HasTheExpectedSwivelWhereNothingIsInItsWay) {
+  const ArmModel arm = default_arm({RhythmModel::Measured, 1.0, 0.1});
+  PosturePriorCoefficients c;
+  c.effort = 0.0;
+  const PosturePrior prior = prior_at(arm, kStart, c);
+  ReachPlanner planner;
+  ReachPlan plan;
+  for (const Vec3& target : {Vec3(0.20, 0.36, 0.15), Vec3(0.30, 0.30, -0.10), Vec3(0.10, 0.25, 0.10)}) {
+    ASSERT_EQ(planner.plan_human_prior(arm, kStart, target, prior, plan), Status::Ok);
+    EXPECT_NEAR(plan.swivel_rad, prior.swivel(target), 1e-6);
+  }
 }
 
 TEST(HumanPriorPlan, RefusesAsTheOtherChoicesDo) {

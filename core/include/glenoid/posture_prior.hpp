@@ -8,16 +8,18 @@ namespace glenoid {
 /// Coefficients of the posture prior (docs/equations.md, P1), fitted by `glenoid validate --fit`: replace them to use
 /// recordings of your own.
 struct PosturePriorCoefficients {
-  double height_rad = 0.273;    ///< change of swivel per arm length that the wrist rises
-  double lateral_rad = -0.128;  ///< and per arm length that it moves sideways, away from the trunk
-  double regression = 0.252;    ///< share of the person's deviation from the common swivel that a far movement loses
-  double common_rad = 0.524;    ///< swivel that people tend to
+  double height_rad = 0.278;    ///< change of swivel per arm length that the wrist rises
+  double lateral_rad = -0.139;  ///< and per arm length that it moves sideways, away from the trunk
+  double regression = 0.258;    ///< share of the person's deviation from the common swivel that a far movement loses
+  double common_rad = 0.501;    ///< swivel that people tend to
+  double effort = 0.02;  ///< weight of the rotation away from the anchor, squared, against the squared error of the swivel
 };
 
-/// The swivel angle that people choose at the end of a reach: a small change of their own at the start, anchored there.
+/// The posture that people choose at the end of a reach: a swivel angle that is a small change of their own at the start, and
+/// little rotation of the upper arm where the target leaves the swivel angle without meaning.
 ///
-/// A value: copy it, no memory is held. It is a smooth function of the target that gives the anchor's own swivel angle at the
-/// anchor's own wrist, and does not depend on the way taken: re-planning to the same target gives the same posture. Limits and
+/// A value: copy it, no memory is held. The expected swivel is a smooth function of the target that gives the anchor's own at the
+/// anchor's own wrist. Nothing depends on the way taken: re-planning to the same target gives the same posture. Limits and
 /// reach are the planner's business. Points are those of a right arm.
 class PosturePrior {
  public:
@@ -29,13 +31,18 @@ class PosturePrior {
   /// Swivel angle expected for a wrist target, rad; NaN only for a target that is not finite. @alloc none
   [[nodiscard]] double swivel(const Vec3& target) const noexcept;
 
+  /// How unlikely a final posture is, >= 0 (P2): squared chord between its swivel angle and the given one, plus `effort` times the
+  /// squared angle of the upper arm's rotation from the anchor. @param swivel_rad  swivel(target)
+  [[nodiscard]] double cost(const ArmModel& arm, const Posture& posture, double swivel_rad) const noexcept;
+
   [[nodiscard]] const PosturePriorCoefficients& coefficients() const noexcept { return coefficients_; }
 
  private:
   PosturePriorCoefficients coefficients_{};
-  Vec3 wrist_ = Vec3::Zero();  ///< of the anchor, m in T
-  double length_m_ = 1.0;      ///< upper arm and forearm
-  double own_rad_ = 0.0;       ///< swivel of the anchor, or the common one as far as the anchor's is ill-conditioned
+  Mat3 rotation_ = Mat3::Identity();  ///< of the anchor's upper arm
+  Vec3 wrist_ = Vec3::Zero();         ///< of the anchor, m in T
+  double length_m_ = 1.0;             ///< upper arm and forearm
+  double own_rad_ = 0.0;  ///< swivel of the anchor, or the common one as far as the anchor's is ill-conditioned
 };
 
 }  // namespace glenoid

@@ -15,10 +15,10 @@ enum class RhythmModel : int { Fixed = 1, SoltaniZarrin2017 = 2, Measured = 3 };
 /// Coefficients of RhythmModel::Measured (R5), fitted by `glenoid validate --fit`: replace them to use recordings of your own.
 struct MeasuredRhythm {
   /// Displacement of the centre per unit of upper-arm direction u = -z_TU, m, rows x, y, z of T.
-  std::array<double, 9> slope_m = {-0.0116, -0.0030, -0.0098,  //
-                                   -0.0607, 0.0074,  0.0025,   //
-                                   -0.0019, -0.0041, 0.0297};
-  double shoulder_distance_m = 0.152;  ///< d_0 of the persons that the slope was fitted to
+  std::array<double, 9> slope_m = {-0.0055, -0.0012, -0.0121,  //
+                                   -0.0373, 0.0229,  -0.0061,  //
+                                   0.0068,  0.0030,  0.0209};
+  double shoulder_distance_m = 0.161;  ///< d_0 of the persons that the slope was fitted to
 };
 
 struct RhythmSettings {

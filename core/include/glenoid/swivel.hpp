@@ -59,7 +59,7 @@ class ReachPlanner {
   Status plan_prescribed(const ArmModel& arm, const Posture& start, const Vec3& target, double swivel_rad,
                          ReachPlan& out) noexcept;
 
-  /// The posture with the swivel angle that the prior expects, or the one within the limits that comes nearest to it (P1, P2).
+  /// The posture within the limits that the prior finds least unlikely (docs/equations.md, P1, P2).
   Status plan_human_prior(const ArmModel& arm, const Posture& start, const Vec3& target, const PosturePrior& prior,
                           ReachPlan& out) noexcept;
 

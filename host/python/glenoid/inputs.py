@@ -79,6 +79,7 @@ class PriorInput(Strict):
     lateral_rad: float
     regression: Annotated[float, Field(ge=0.0, le=1.0)]
     common_rad: float
+    effort: Annotated[float, Field(ge=0.0)] = 0.02
 
 
 class RhythmInput(Strict):

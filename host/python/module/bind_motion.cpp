@@ -140,6 +140,10 @@ void command_motion(MotionGenerator& generator, double time_s, const Vec3& targe
   }
 }
 
+Column homing_progress(const Column& time_s, double duration_s, double tail) {
+  return time_s.unaryExpr([=](double t) { return homing_minimum_jerk(t, 0.0, duration_s, tail).value; });
+}
+
 void set_duration(MotionGenerator& generator, double duration_s) {
   if (generator.set_duration(duration_s) != Status::Ok) {
     throw std::invalid_argument("duration_s = " + std::to_string(duration_s) + " s: must be 0.05..60 s");
@@ -150,6 +154,9 @@ void set_duration(MotionGenerator& generator, double duration_s) {
 
 void bind_motion(nb::module_& module) {
   bind_settings(module);
+  module.attr("HOMING_TAIL") = kHomingTail;
+  module.def("homing_progress", &homing_progress, "time_s"_a, "duration_s"_a, "tail"_a = kHomingTail,
+             "Progress 0..1 of the law MinimumJerkHoming (T5); tail 0 is minimum jerk.");
   nb::class_<MotionGenerator>(module, "MotionGenerator", "Plans and samples movements of one arm in time.")
       .def(nb::init<const MotionSettings&, double>(), "settings"_a, "start_time_s"_a = 0.0)
       .def("command", &command_motion, "time_s"_a, "target_m"_a, "enable"_a = true, "stop"_a = false,

@@ -181,11 +181,13 @@ void bind_prior(nb::module_& module) {
       .def_rw("height_rad", &PosturePriorCoefficients::height_rad)
       .def_rw("lateral_rad", &PosturePriorCoefficients::lateral_rad)
       .def_rw("regression", &PosturePriorCoefficients::regression)
-      .def_rw("common_rad", &PosturePriorCoefficients::common_rad);
+      .def_rw("common_rad", &PosturePriorCoefficients::common_rad)
+      .def_rw("effort", &PosturePriorCoefficients::effort);
   nb::class_<PosturePrior>(module, "PosturePrior", "Swivel angle that people choose, anchored at a posture of their own.")
       .def(nb::init<const PosturePriorCoefficients&, const ArmModel&, const Posture&>(), "coefficients"_a, "arm"_a,
            "anchor"_a)
-      .def("swivel", &PosturePrior::swivel, "target_m"_a, "Expected swivel angle, rad.");
+      .def("swivel", &PosturePrior::swivel, "target_m"_a, "Expected swivel angle, rad.")
+      .def("cost", &PosturePrior::cost, "arm"_a, "posture"_a, "swivel_rad"_a, "How unlikely a final posture is; P2.");
 }
 
 void bind_reach_planner(nb::module_& module) {
@@ -205,7 +207,7 @@ void bind_reach_planner(nb::module_& module) {
       .def("plan_prescribed", &plan_prescribed, "arm"_a, "start"_a, "target_m"_a, "swivel_rad"_a, Release(),
            "The posture with this swivel angle that is nearest in energy.")
       .def("plan_human_prior", &plan_human_prior, "arm"_a, "start"_a, "target_m"_a, "prior"_a, Release(),
-           "The posture that the prior expects, or the one within the limits nearest to it; P1, P2.")
+           "The posture within the limits that the prior finds least unlikely; P1, P2.")
       .def("plan_between", &plan_between, "arm"_a, "start"_a, "end"_a, Release(), "Given end posture.")
       .def("sample_family", &sample_family, "arm"_a, "start"_a, "target_m"_a, "count"_a,
            "Family of final postures over the self-motion: swivel_rad, margin_rad, energy_kg_m2, R_TU, phi_rad.",

@@ -1,0 +1,82 @@
+// The homing time course (docs/equations.md, T5) and the axial factor of the metric (M5).
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "glenoid/mass_matrix.hpp"
+#include "glenoid/motion.hpp"
+#include "support/arms.hpp"
+#include "support/environment.hpp"
+#include "support/matchers.hpp"
+#include "support/random.hpp"
+
+namespace glenoid::test {
+namespace {
+
+TEST(HomingMinimumJerk, RestsAtBothEndsAndNeverTurnsBack) {
+  for (const double T : {0.3, 1.0, 1.5, 3.0, 20.0}) {
+    for (const double end : {0.0, T}) {
+      const ScalarJet s = homing_minimum_jerk(2.0 + end, 2.0, T);
+      EXPECT_NEAR(s.value, end == 0.0 ? 0.0 : 1.0, 1e-15);
+      EXPECT_NEAR(s.d1, 0.0, 1e-12);
+      EXPECT_NEAR(s.d2, 0.0, 1e-12);
+    }
+    for (int k = 1; k < 200; ++k) EXPECT_GT(homing_minimum_jerk(T * k / 200.0, 0.0, T).d1, 0.0) << T << ' ' << k;
+  }
+}
+
+TEST(HomingMinimumJerk, IsMinimumJerkForMovementsOfASecondAndBelow) {
+  for (const double T : {0.2, 0.9, 1.0}) {
+    for (const double share : {0.1, 0.5, 0.8}) {
+      const ScalarJet a = homing_minimum_jerk(share * T, 0.0, T), b = minimum_jerk(share * T, 0.0, T);
+      EXPECT_NEAR(a.value, b.value, 1e-15);
+      EXPECT_NEAR(a.d1, b.d1, 1e-12 / T);
+      EXPECT_NEAR(a.d2, b.d2, 1e-11 / (T * T));
+    }
+  }
+}
+
+TEST(HomingMinimumJerk, PeaksTheEarlierTheSlowerTheMovement) {
+  const auto middle = [](double T) { return homing_minimum_jerk(0.5 * T, 0.0, T).value; };
+  EXPECT_GT(middle(1.5), middle(1.0));
+  EXPECT_GT(middle(3.0), middle(1.5));
+  EXPECT_DOUBLE_EQ(middle(30.0), middle(60.0)) << "the tail is bounded";
+}
+
+TEST(HomingMinimumJerk, DerivativesAreThoseOfTheValue) {
+  constexpr double T = 2.0, h = 1e-4;
+  for (const double t : {0.2, 0.7, 1.3, 1.9}) {
+    const auto at = [](double x) { return homing_minimum_jerk(x, 0.0, T); };
+    // central differences: h^2 / 6 times the third (fourth) derivative, below 100 (1000), and rounding eps / h
+    EXPECT_NEAR((at(t + h).value - at(t - h).value) / (2.0 * h), at(t).d1, 100.0 * h * h / 6.0 + 1e-11);
+    EXPECT_NEAR((at(t + h).d1 - at(t - h).d1) / (2.0 * h), at(t).d2, 1000.0 * h * h / 6.0 + 1e-11);
+  }
+}
+
+TEST(AxialFactor, AddsTheAxialInertiaAndNothingAcross) {
+  MotionSettings plain, heavy;
+  heavy.axial_factor = 3.0;
+  const MotionGenerator a(plain, 0.0), b(heavy, 0.0);
+  const double added = 2.0 * (a.scaled_arm().upper_arm.inertia_kg_m2.z() + a.scaled_arm().forearm.inertia_kg_m2.z());
+  Random random(6);
+  for (int i = 0; i < test_count(50); ++i) {
+    Vec4 q = random_angles(random);
+    q[kPhi] = 0.0;  // straight: both segments turn about the same axis
+    const Posture p = posture_from_angles(q);
+    const Mat4 more = body_mass_matrix(b.arm(), p) - body_mass_matrix(a.arm(), p);
+    Mat4 expected = Mat4::Zero();
+    expected(2, 2) = added;
+    EXPECT_TRUE(near(more, expected, 1e-14));
+  }
+}
+
+TEST(AxialFactor, IsRefusedOutsideItsRange) {
+  MotionSettings settings;
+  for (const double factor : {0.99, 5.01, std::nan("")}) {
+    settings.axial_factor = factor;
+    EXPECT_TRUE(contains(refusal([&] { const MotionGenerator g(settings, 0.0); }), "metric.axialFactor")) << factor;
+  }
+}
+
+}  // namespace
+}  // namespace glenoid::test
