@@ -49,7 +49,7 @@ void monomials(const double (&value)[N], double (&out)[N]) {
 CurveTable::CurveTable(double scale, const Curve& curve) {
   hanging_.end = 1.0;
   raised_.end = -1.0;
-  const double least = std::exp2(std::floor(std::log2(scale)));
+  const double least = std::scalbn(1.0, std::ilogb(scale));
   tip_ = fit(0.0, least, 1.0, curve);
   fill(hanging_, least, curve);
   fill(raised_, kLeastRaised, curve);
