@@ -1,0 +1,62 @@
+"""What the bus tests share: simulated drives on a bus of their own, and python-can on the same bus."""
+
+import json
+import os
+import signal
+import subprocess
+
+import can
+import pytest
+from glenoid.programs import program
+
+FIRST_PORT = 43200  # beside python-can's 43113, so that nobody else is heard
+
+
+class Drives:
+    """A running glenoid-drives."""
+
+    def __init__(self, url, *arguments):
+        self.url = url
+        self.process = subprocess.Popen(
+            [program("glenoid-drives"), "--bus", url, *map(str, arguments)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        first = self.process.stderr.readline()
+        assert first.endswith("ready\n"), first + self.process.stderr.read()
+
+    def stop(self):
+        """Ends the program; its report."""
+        self.process.send_signal(signal.SIGTERM)
+        out, _ = self.process.communicate(timeout=20)
+        assert self.process.returncode == 0
+        return json.loads(out)
+
+
+@pytest.fixture
+def bus_address():
+    """Group and port that no other test run on this machine uses."""
+    return "239.74.163.2", FIRST_PORT + os.getpid() % 5000
+
+
+@pytest.fixture
+def drives(bus_address):
+    """Starts drives with the arguments given; ends them with the test."""
+    running = []
+
+    def start(*arguments):
+        running.append(Drives("udp:{}:{}".format(*bus_address), *arguments))
+        return running[-1]
+
+    yield start
+    for one in running:
+        one.process.kill()
+        one.process.communicate()
+
+
+@pytest.fixture
+def python_bus(bus_address):
+    group, port = bus_address
+    with can.Bus(group, interface="udp_multicast", port=port, receive_own_messages=False) as bus:
+        yield bus
