@@ -19,7 +19,7 @@ ctest --test-dir build -j "${GLENOID_JOBS:-2}" --output-on-failure --output-juni
 tail -n 3 "$reports/ctest.log"
 
 stage Python tests
-build/venv/bin/python -m pytest -q --junitxml="$reports/pytest.xml" tests/host tests/fmu tests/architecture || failed=1
+build/venv/bin/python -m pytest -q --junitxml="$reports/pytest.xml" --durations=25 tests || failed=1
 
 stage checks
 bash cmake/check.sh | tee "$reports/check.log"
