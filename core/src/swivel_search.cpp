@@ -292,8 +292,8 @@ Status SwivelSearch::refine_cell(const ArmModel& arm, const Posture& start, cons
   const GeodesicPath& warm = *warm_start(middle_.path, kFine);
   if (refine_interior(arm, start, target, middle_.posture, warm, out) == Status::Ok) return Status::Ok;
   if (!narrow_cell(arm, start, target, loop, kFine, kLastWidth)) return Status::NoConvergence;
-  const Status status =
-      solver.solve(arm, start, middle_.posture, kFine, warm_start(middle_.path, kFine), out.path, out.certificate);
+  const Status status = solver.solve(arm, start, middle_.posture, kFine, warm_start(middle_.path, kFine), out.path,
+                                     out.certificate);
   const Vec4 p = solver.end_momentum();
   out.certificate.transversality = std::abs(middle_.slope) / (p.norm() + 1e-300);
   return status;
