@@ -16,7 +16,6 @@ from glenoid.cli.plan import plan
 from glenoid.cli.replay import replay
 from glenoid.cli.simulate import simulate
 from glenoid.cli.source import source
-from glenoid.cli.validate import validate
 from glenoid.inputs import InputError
 
 app = typer.Typer(
@@ -27,7 +26,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
-for command in (plan, simulate, validate, replay, source, info, demo):
+for command in (plan, simulate, replay, source, info, demo):
     app.command()(command)
 app.command(context_settings=PASS_THROUGH)(drives)
 
