@@ -9,6 +9,7 @@ import sys
 
 import typer
 
+from glenoid.cli.bridge import bridge
 from glenoid.cli.demo import demo
 from glenoid.cli.drives import PASS_THROUGH, drives
 from glenoid.cli.info import info
@@ -16,6 +17,7 @@ from glenoid.cli.plan import plan
 from glenoid.cli.replay import replay
 from glenoid.cli.simulate import simulate
 from glenoid.cli.source import source
+from glenoid.cli.validate import validate
 from glenoid.inputs import InputError
 
 app = typer.Typer(
@@ -26,9 +28,10 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
-for command in (plan, simulate, replay, source, info, demo):
+for command in (plan, simulate, validate, replay, source, info, demo):
     app.command()(command)
 app.command(context_settings=PASS_THROUGH)(drives)
+app.command(context_settings=PASS_THROUGH)(bridge)
 
 
 def main() -> int:

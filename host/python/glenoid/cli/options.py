@@ -20,7 +20,8 @@ Gain = Annotated[float | None, typer.Option(help="Scale of the rhythm's displace
 Smoothing = Annotated[float | None, typer.Option("--smoothing-rad", help="Smoothing at the hanging arm, 0..0.3 rad.")]
 Metric = Annotated[str | None, typer.Option(help="Kinetic energy with movingShoulder or fixedShoulder.")]
 AxialFactor = Annotated[
-    float | None, typer.Option("--axial-factor", help="Times the axial inertia in the metric, 1..5; 1 = kinetic energy.")
+    float | None,
+    typer.Option("--axial-factor", help="Times the axial inertia in the metric, 1..5; 1 = kinetic energy."),
 ]
 Swivel = Annotated[str | None, typer.Option(help="Final posture: MinimumEnergy, Prescribed, HumanPrior.")]
 SwivelRad = Annotated[float | None, typer.Option("--swivel-prescribed-rad", help="Swivel angle of Prescribed, rad.")]

@@ -1,0 +1,151 @@
+"""Measured movements and how they are read: points in the thorax frame T of a right arm, m, and angles, rad."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from glenoid.inputs import InputError
+from glenoid.reach import Array
+from glenoid.validate.geometry import angles_of_points
+
+SAMPLES = 101
+#: sternum marker -> sternoclavicular joint, the origin of T, m (DSEM cadaver: 20 mm lateral, 14 mm back)
+STERNUM_TO_JOINT_M = np.array([0.020, -0.015, 0.0])
+POINT_COLUMNS = tuple(f"{point}_{axis}" for point in ("gh", "el", "wr") for axis in "xyz")
+
+
+@dataclass(frozen=True)
+class Movement:
+    """One movement at SAMPLES equidistant times. A left arm is already mirrored.
+
+    shoulder_m, elbow_m, wrist_m: (SAMPLES, 3) in T. q_rad: (SAMPLES, 4), unwrapped (theta, eta, zeta, phi).
+    """
+
+    name: str
+    subject: str
+    arm: str
+    task: str
+    phase: str
+    clean: bool
+    duration_s: float
+    upper_arm_length_m: float
+    forearm_length_m: float
+    shoulder_m: Array
+    elbow_m: Array
+    wrist_m: Array
+    q_rad: Array
+
+
+def resampled(rows: Array, count: int = SAMPLES) -> Array:
+    """Rows at `count` equidistant times, linear between samples."""
+    known, wanted = np.linspace(0.0, 1.0, len(rows)), np.linspace(0.0, 1.0, count)
+    return np.column_stack([np.interp(wanted, known, column) for column in rows.T])
+
+
+def make_movement(
+    shoulder_m: Array,
+    elbow_m: Array,
+    wrist_m: Array,
+    *,
+    name: str,
+    subject: str,
+    arm: str,
+    task: str,
+    duration_s: float,
+    phase: str = "",
+    clean: bool = True,
+) -> Movement:
+    """A movement from joint centres in T, any number of samples at a constant rate. InputError names the movement."""
+    points = [resampled(np.asarray(rows, dtype=float)) for rows in (shoulder_m, elbow_m, wrist_m)]
+    if not np.isfinite(np.stack(points)).all():
+        raise InputError(f"movement {name}: a joint centre is not finite")
+    upper, fore = (np.linalg.norm(b - a, axis=1) for a, b in zip(points, points[1:], strict=False))
+    if min(upper.min(), fore.min()) <= 0.0:
+        raise InputError(f"movement {name}: two joint centres coincide")
+    return Movement(
+        name=name,
+        subject=subject,
+        arm=arm,
+        task=task,
+        phase=phase,
+        clean=clean,
+        duration_s=duration_s,
+        upper_arm_length_m=float(np.median(upper)),
+        forearm_length_m=float(np.median(fore)),
+        shoulder_m=points[0],
+        elbow_m=points[1],
+        wrist_m=points[2],
+        q_rad=angles_of_points(*points),
+    )
+
+
+def load_npz(path: Path) -> list[Movement]:
+    """Movements of an archive laid out like the public reaches: data, columns, offsets, meta_*. InputError if it is not."""
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            data, columns, offsets = archive["data"], list(archive["columns"]), archive["offsets"]
+            meta = {key[5:]: archive[key] for key in archive.files if key.startswith("meta_")}
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}") from error
+    except (KeyError, ValueError) as error:
+        raise InputError(f"{path}: not an archive of reaches: {error}") from error
+    missing = {"subject", "arm", "task", "duration_s"} - meta.keys() | set(POINT_COLUMNS) - set(columns)
+    if missing:
+        raise InputError(f"{path}: lacks {', '.join(sorted(missing))}")
+    at = [columns.index(name) for name in POINT_COLUMNS]
+    out = []
+    for i, (begin, end) in enumerate(zip(offsets, offsets[1:], strict=False)):
+        points = data[begin:end][:, at].astype(float).reshape(-1, 3, 3) - STERNUM_TO_JOINT_M
+        values = {key: column[i] for key, column in meta.items()}
+        made = make_movement(
+            points[:, 0],
+            points[:, 1],
+            points[:, 2],
+            name=f"{values['subject']}{values['arm']}-{values.get('reach_id', i)}",
+            subject=str(values["subject"]),
+            arm=str(values["arm"]),
+            task=str(values["task"]),
+            phase=str(values.get("phase", "")),
+            clean=bool(values.get("clean", 1)),
+            duration_s=float(values["duration_s"]),
+        )
+        out.append(with_lengths(made, values))
+    return out
+
+
+def with_lengths(movement: Movement, values: dict[str, np.generic]) -> Movement:
+    """The segment lengths of the person where the archive has them: medians over the person, not over one movement."""
+    lengths = {
+        name: float(values[key])
+        for name, key in (("upper_arm_length_m", "lu_m"), ("forearm_length_m", "lf_m"))
+        if key in values
+    }
+    return Movement(**(vars(movement) | lengths))
+
+
+def is_clean_outward(movement: Movement) -> bool:
+    """Free point-to-point reaches: one speed peak, away from the table; no combing stroke, no way around the head."""
+    return movement.clean and (movement.task.startswith("reach") or movement.phase == "up")
+
+
+SUBSETS: dict[str, Callable[[Movement], bool]] = {
+    "clean-outward": is_clean_outward,
+    "clean": lambda movement: movement.clean,
+    "all": lambda movement: True,
+    "around-head": lambda movement: movement.task.startswith("comb") and movement.phase != "up",
+    "carried-cup": lambda movement: movement.task == "drink",
+}
+
+
+def subset_of(movements: Sequence[Movement], subset: str) -> list[Movement]:
+    """The movements of a subset. InputError for an unknown or empty one."""
+    if subset not in SUBSETS:
+        raise InputError(f"--subset = {subset!r}: must be one of {', '.join(SUBSETS)}")
+    chosen = [movement for movement in movements if SUBSETS[subset](movement)]
+    if not chosen:
+        raise InputError(f"--subset = {subset!r}: no movement of the data is in it")
+    return chosen
