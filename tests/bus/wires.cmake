@@ -11,3 +11,6 @@ foreach(noun inbox lcm)
   glenoid_add_test(wires_${noun}_test wires_${noun}_test.cpp)
   target_link_libraries(wires_${noun}_test PRIVATE glenoid_wires_network glenoid::lcm_port)
 endforeach()
+
+add_executable(wires_probe wires_probe.cpp)
+target_link_libraries(wires_probe PRIVATE glenoid::can glenoid::bridge_core glenoid_options)
