@@ -34,5 +34,6 @@ void bind_model(nb::module_& module);    ///< subject, rhythm, limits, kinematic
 void bind_planner(nb::module_& module);  ///< paths, planner, initial-value problem
 void bind_exo(nb::module_& module);      ///< the device's joints
 void bind_motion(nb::module_& module);   ///< the generator in time
+void bind_rig(nb::module_& module);      ///< bridge and drives in virtual time
 
 }  // namespace glenoid::python

@@ -19,4 +19,5 @@ NB_MODULE(_core, module) {
   glenoid::python::bind_planner(module);
   glenoid::python::bind_exo(module);
   glenoid::python::bind_motion(module);
+  glenoid::python::bind_rig(module);
 }
