@@ -144,6 +144,7 @@ constexpr std::array kEmergencies = std::to_array<Words>({
     {0x8220, "PDO too long"},
     {0x8240, "SYNC of unexpected length"},
     {0x8250, "receive PDO timed out"},
+    {0x8700, "SYNC missing or out of time"},
     {0x8611, "following error"},
     {0x8612, "position limit"},
 });

@@ -1,5 +1,6 @@
 #include "host/bridge/loop/frame_log.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
 #include <utility>
@@ -7,6 +8,11 @@
 #include "host/bridge/loop/realtime.hpp"
 
 namespace glenoid::bridge {
+namespace {
+
+constexpr std::int64_t kSettleNs = 200'000'000;  // twice the longest SYNC period: nothing older can come any more
+
+}  // namespace
 
 std::string candump_line(std::int64_t realtime, const std::string& bus, const can::Frame& frame) {
   char text[120];
@@ -26,10 +32,10 @@ FrameLog::FrameLog(const std::string& file, std::vector<std::string> names)
   if (!file_) throw std::runtime_error(file + ": cannot be written");
   thread_ = std::thread([this] {
     while (!stop_.load(std::memory_order_acquire)) {
-      drain();
+      drain(false);
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
-    drain();
+    drain(true);
   });
 }
 
@@ -42,9 +48,15 @@ void FrameLog::add(std::int64_t monotonic, std::size_t bus, const can::Frame& fr
   if (!ring_.push({monotonic, static_cast<std::uint32_t>(bus), frame})) ++lost_;
 }
 
-void FrameLog::drain() {
+void FrameLog::drain(bool all) {
   Entry entry;
-  while (ring_.pop(entry)) write(entry);
+  while (ring_.pop(entry)) waiting_.push_back(entry);
+  std::stable_sort(waiting_.begin(), waiting_.end(),
+                   [](const Entry& a, const Entry& b) { return a.time_ns < b.time_ns; });
+  const std::int64_t until_ns = all || waiting_.empty() ? INT64_MAX : waiting_.back().time_ns - kSettleNs;
+  const auto ripe = std::find_if(waiting_.begin(), waiting_.end(), [&](const Entry& e) { return e.time_ns > until_ns; });
+  std::for_each(waiting_.begin(), ripe, [this](const Entry& e) { write(e); });
+  waiting_.erase(waiting_.begin(), ripe);
   std::fflush(file_.get());
 }
 

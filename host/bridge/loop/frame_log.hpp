@@ -35,7 +35,7 @@ class FrameLog {
     std::uint32_t bus = 0;
     can::Frame frame;
   };
-  void drain();
+  void drain(bool all);
   void write(const Entry& entry);
 
   struct Close {
@@ -46,6 +46,7 @@ class FrameLog {
   std::int64_t offset_ns_;
   lcm_port::Ring<Entry, 16384> ring_;
   std::uint64_t lost_ = 0;
+  std::vector<Entry> waiting_;  // received frames come a cycle after those sent meanwhile: sorted before writing
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };
