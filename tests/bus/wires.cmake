@@ -14,3 +14,30 @@ endforeach()
 
 add_executable(wires_probe wires_probe.cpp)
 target_link_libraries(wires_probe PRIVATE glenoid::can glenoid::bridge_core glenoid_options)
+
+# Debian's LCM, older than the wheel's, with types of its own generator: must understand each other.
+find_program(GLENOID_SYSTEM_LCM_GEN lcm-gen PATHS /usr/bin NO_DEFAULT_PATH)
+find_library(GLENOID_SYSTEM_LCM lcm)
+find_path(GLENOID_SYSTEM_LCM_INCLUDE lcm/lcm-cpp.hpp PATHS /usr/include NO_DEFAULT_PATH)
+if(GLENOID_SYSTEM_LCM_GEN AND GLENOID_SYSTEM_LCM AND GLENOID_SYSTEM_LCM_INCLUDE)
+  set(peer_types ${CMAKE_CURRENT_BINARY_DIR}/lcm_peer)
+  file(GLOB type_files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/lcm_types/glenoid/*.lcm)
+  add_custom_command(OUTPUT ${peer_types}/glenoid/status_v1_t.hpp DEPENDS ${type_files}
+    COMMAND ${GLENOID_SYSTEM_LCM_GEN} -x --cpp-hpath ${peer_types} ${type_files} VERBATIM)
+  add_executable(wires_lcm_peer wires_lcm_peer.cpp ${peer_types}/glenoid/status_v1_t.hpp)
+  target_include_directories(wires_lcm_peer SYSTEM PRIVATE ${peer_types} ${GLENOID_SYSTEM_LCM_INCLUDE})
+  target_link_libraries(wires_lcm_peer PRIVATE ${GLENOID_SYSTEM_LCM} glenoid_options)
+endif()
+
+# Everything that reads bytes from outside, for libFuzzer (needs clang): cmake -DGLENOID_FUZZ=ON with CXX=clang++.
+# The same targets run their corpus as ordinary tests with any compiler.
+option(GLENOID_FUZZ "Build the fuzz targets with libFuzzer (clang)" OFF)
+foreach(target datagram message)
+  add_executable(wires_fuzz_${target} wires_fuzz_${target}.cpp $<$<NOT:$<BOOL:${GLENOID_FUZZ}>>:${CMAKE_CURRENT_SOURCE_DIR}/wires_fuzz_replay.cpp>)
+  target_link_libraries(wires_fuzz_${target} PRIVATE glenoid::can glenoid::lcm_port glenoid_options)
+  if(GLENOID_FUZZ)
+    target_compile_options(wires_fuzz_${target} PRIVATE -fsanitize=fuzzer)
+    target_link_options(wires_fuzz_${target} PRIVATE -fsanitize=fuzzer)
+  endif()
+  add_test(NAME Fuzz.${target} COMMAND wires_fuzz_${target} -runs=0 ${CMAKE_CURRENT_SOURCE_DIR}/corpus/${target})
+endforeach()

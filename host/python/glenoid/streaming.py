@@ -134,11 +134,11 @@ def refuse_too_fast(motion: Replayed, limits: Limits) -> None:
 
 
 def prepare(publisher: Publisher, joints: int, force: bool, timeout_s: float) -> Limits:
-    """Checks that the bridge is one we may drive, and arms it.
+    """Checks that the bridge is one we may drive; its limits.
 
     Raises:
         InputError: other joints, or a bus that may reach hardware and no `force`.
-        BridgeError: it does not answer or does not arm.
+        BridgeError: it does not answer.
 
     """
     status = publisher.await_status(timeout_s)
@@ -149,7 +149,6 @@ def prepare(publisher: Publisher, joints: int, force: bool, timeout_s: float) ->
             f"the bridge's buses may reach hardware (mask {status.real_bus_mask:#x}); only a virtual bus is moved "
             "without --force-real-bus"
         )
-    publisher.arm(timeout_s)
     return limits_of(status)
 
 

@@ -26,13 +26,15 @@ def send(publisher: Publisher, motion: Motion, joints: int, rate_hz: float, forc
         limits = prepare(publisher, joints, force, timeout_s)
         if isinstance(motion, Replayed):
             refuse_too_fast(motion, limits)
+        publisher.arm(timeout_s)
         stream(publisher, motion, limits, rate_hz, lambda text: print(text, flush=True))
     except BridgeError as error:
         print(f"glenoid: REFUSED  {error}", file=sys.stderr)
         raise typer.Exit(1) from error
     except BaseException:
-        publisher.request(command_v1_t.STOP)
-        publisher.request(command_v1_t.DISARM)
+        if publisher.session != 0:
+            publisher.request(command_v1_t.STOP)
+            publisher.request(command_v1_t.DISARM)
         raise
     print("done: at rest, disarmed")
 
