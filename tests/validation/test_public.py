@@ -16,8 +16,9 @@ def result(reaches, tmp_path_factory):
     from glenoid.cli.validate import chosen_coefficients
     from glenoid.validate.evaluate import evaluate, summaries
 
-    movements = subset_of(load_npz(reaches), "clean-outward")
-    source, fitted = chosen_coefficients("auto", movements)
+    everything = load_npz(reaches)
+    movements = subset_of(everything, "clean-outward")
+    source, fitted = chosen_coefficients("auto", movements, everything)
     assert source == "leave one person out"
     return {name: model["all"] for name, model in summaries(evaluate(MODELS.split(","), movements, fitted)).items()}
 

@@ -106,8 +106,12 @@ def test_movement_comes_back(tmp_path, movement, suffix, arm):
 def test_lab_axes_and_trunk_rotation_are_taken_out(tmp_path, movement):
     write_csv(tmp_path / "reach.csv", lab_markers(movement, up="y", lean_rad=0.2))
     (again,) = load_manifest(manifest(tmp_path, "reach.csv", unit="m", up="y"))
-    assert np.linalg.norm(again.wrist_m[-1] - movement.wrist_m[-1]) < 0.005
-    assert np.linalg.norm(again.shoulder_m[-1] - movement.shoulder_m[-1]) < 0.002
+    # The turn about the line to the resting shoulder is not seen. It is 0.02/0.19 of the lean here, at the arm's distance; without
+    # any correction the wrist would be off by the lean times its distance, ten times as much.
+    unseen = 0.2 * 0.02 / 0.19
+    for name in ("wrist_m", "shoulder_m"):
+        off = np.linalg.norm(getattr(again, name)[-1] - getattr(movement, name)[-1])
+        assert off < unseen * np.linalg.norm(getattr(movement, name)[-1])
 
 
 def test_gaps_are_filled(tmp_path, movement):

@@ -24,7 +24,7 @@ from glenoid.validate.coefficients import (
 )
 from glenoid.validate.evaluate import evaluate, summaries
 from glenoid.validate.models import MODELS
-from glenoid.validate.movements import SUBSETS, Movement, load_npz, subset_of
+from glenoid.validate.movements import SUBSETS, Movement, is_clean_outward, load_npz, subset_of
 from glenoid.validate.readers import load_manifest
 from glenoid.validate.report import COLUMNS, cell, prepared_folder, swivel_cell, tables, write_csv
 
@@ -54,12 +54,13 @@ def validate(
 
     Example: glenoid validate --data reaches.npz --models paper,glenoid,oracle-end --report build/likeness
     """
-    movements = subset_of(load_movements(data), subset)
+    everything = load_movements(data)
+    movements = subset_of(everything, subset)
     if fit_to is not None:
         write_fit(movements, fit_to)
         return
     names = chosen_models(models)
-    source, fitted = chosen_coefficients(coefficients, movements)
+    source, fitted = chosen_coefficients(coefficients, movements, everything)
     results = evaluate(names, movements, fitted)
     result: dict[str, Any] = {
         "data": str(data),
@@ -100,13 +101,15 @@ def chosen_models(text: str) -> list[str]:
     return [name for name in MODELS if name in wanted]
 
 
-def chosen_coefficients(text: str, movements: list[Movement]) -> tuple[str, dict[str, Coefficients]]:
-    """Where the coefficients come from, and those to use for each person."""
+def chosen_coefficients(
+    text: str, movements: list[Movement], everything: list[Movement]
+) -> tuple[str, dict[str, Coefficients]]:
+    """Where the coefficients come from, and those to use for each person; folds are fitted to clean outward reaches."""
     people = subjects_of(movements)
     if text == "auto":
         text = "cross-validated" if set(people) & set(FITTED_SUBJECTS) else "built-in"
     if text == "cross-validated":
-        return "leave one person out", leave_one_out(movements)
+        return "leave one person out", leave_one_out([m for m in everything if is_clean_outward(m)] or movements)
     one = built_in() if text == "built-in" else from_yaml(Path(text))
     return text, dict.fromkeys(people, one)
 

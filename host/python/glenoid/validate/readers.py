@@ -142,7 +142,8 @@ def up_axis(name: str) -> Array:
 def in_thorax(points: dict[str, Array], up: Array, arm: str) -> dict[str, Array]:
     """Points in T of a right arm, from lab positions with keys of Markers.
 
-    The axes are those of the first sample; afterwards they turn with the direction from the sternum to the resting shoulder.
+    The axes are those of the first sample; afterwards they turn with the direction from the sternum to the resting shoulder. A
+    turn of the trunk about that very direction is not seen.
     """
     lateral = points["right"][0] - points["left"][0]
     lateral = lateral - (lateral @ up) * up
