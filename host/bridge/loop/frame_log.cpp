@@ -10,7 +10,7 @@
 namespace glenoid::bridge {
 namespace {
 
-constexpr std::int64_t kSettleNs = 200'000'000;  // twice the longest SYNC period: nothing older can come any more
+constexpr std::int64_t kSettleNs = 50'000'000;  // what was received is here by then
 
 }  // namespace
 
