@@ -18,7 +18,9 @@ def folder():
 
 @pytest.fixture(scope="module")
 def golden():
-    out = subprocess.run([program("wires_probe"), "golden", "1", "100"], check=True, capture_output=True, text=True).stdout
+    out = subprocess.run(
+        [program("wires_probe"), "golden", "1", "100"], check=True, capture_output=True, text=True
+    ).stdout
     return [json.loads(line) for line in out.splitlines()]
 
 

@@ -32,6 +32,10 @@ endif()
 # Everything that reads bytes from outside, for libFuzzer (needs clang): cmake -DGLENOID_FUZZ=ON with CXX=clang++.
 # The same targets run their corpus as ordinary tests with any compiler.
 option(GLENOID_FUZZ "Build the fuzz targets with libFuzzer (clang)" OFF)
+if(GLENOID_FUZZ)
+  target_compile_options(glenoid_can PRIVATE -fsanitize=fuzzer-no-link)
+  target_compile_options(glenoid_lcm_port PRIVATE -fsanitize=fuzzer-no-link)
+endif()
 foreach(target datagram message)
   add_executable(wires_fuzz_${target} wires_fuzz_${target}.cpp $<$<NOT:$<BOOL:${GLENOID_FUZZ}>>:${CMAKE_CURRENT_SOURCE_DIR}/wires_fuzz_replay.cpp>)
   target_link_libraries(wires_fuzz_${target} PRIVATE glenoid::can glenoid::lcm_port glenoid_options)

@@ -86,11 +86,11 @@ class LcmPort::Implementation {
   can::Descriptor telling_bell_ = make_bell();
 
  private:
-  void on_setpoint(const lcm::ReceiveBuffer* buffer, const std::string&) noexcept {
-    inbox_.hear_setpoint(buffer->data, buffer->data_size, clock_ns(CLOCK_MONOTONIC));
+  static void on_setpoint(const lcm::ReceiveBuffer* buffer, const std::string&, Implementation* self) {
+    self->inbox_.hear_setpoint(buffer->data, buffer->data_size, clock_ns(CLOCK_MONOTONIC));
   }
-  void on_command(const lcm::ReceiveBuffer* buffer, const std::string&) noexcept {
-    inbox_.hear_command(buffer->data, buffer->data_size);
+  static void on_command(const lcm::ReceiveBuffer* buffer, const std::string&, Implementation* self) {
+    self->inbox_.hear_command(buffer->data, buffer->data_size);
   }
 
   // LCM starts a thread of its own at the first subscription, with the scheduling of the one that subscribes.
@@ -99,8 +99,8 @@ class LcmPort::Implementation {
       const sched_param parameters{priority};
       ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &parameters);
     }
-    lcm_.subscribe(kSetpointChannel, &Implementation::on_setpoint, this)->setQueueCapacity(kQueueCapacity);
-    lcm_.subscribe(kCommandChannel, &Implementation::on_command, this)->setQueueCapacity(kQueueCapacity);
+    lcm_.subscribeFunction(kSetpointChannel, &on_setpoint, this)->setQueueCapacity(kQueueCapacity);
+    lcm_.subscribeFunction(kCommandChannel, &on_command, this)->setQueueCapacity(kQueueCapacity);
     std::array<pollfd, 2> wait = {{{lcm_.getFileno(), POLLIN, 0}, {hearing_bell_.get(), POLLIN, 0}}};
     while (!stop_.load()) {
       ::poll(wait.data(), wait.size(), kPollTimeout_ms);

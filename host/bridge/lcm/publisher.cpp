@@ -26,8 +26,8 @@ class Publisher::Implementation {
   Implementation(std::string_view url, bool allow_network) : lcm_(checked_url(url, allow_network)) {
     if (!lcm_.good())
       throw std::runtime_error("LCM " + std::string(url) + ": cannot be opened; " + std::string(kRouteHint));
-    lcm_.subscribe(kStatusChannel, &Implementation::on_status, this)->setQueueCapacity(kQueueCapacity);
-    lcm_.subscribe(kFeedbackChannel, &Implementation::on_feedback, this)->setQueueCapacity(kQueueCapacity);
+    lcm_.subscribeFunction(kStatusChannel, &on_status, this)->setQueueCapacity(kQueueCapacity);
+    lcm_.subscribeFunction(kFeedbackChannel, &on_feedback, this)->setQueueCapacity(kQueueCapacity);
   }
 
   bool poll(std::chrono::milliseconds longest) {
@@ -67,13 +67,13 @@ class Publisher::Implementation {
   std::optional<feedback_v1_t> feedback_;
 
  private:
-  void on_status(const lcm::ReceiveBuffer* buffer, const std::string&) noexcept {
+  static void on_status(const lcm::ReceiveBuffer* buffer, const std::string&, Implementation* self) {
     status_v1_t message;
-    if (decode(buffer->data, buffer->data_size, message) == Decoded::Ok) status_ = message;
+    if (decode(buffer->data, buffer->data_size, message) == Decoded::Ok) self->status_ = message;
   }
-  void on_feedback(const lcm::ReceiveBuffer* buffer, const std::string&) noexcept {
+  static void on_feedback(const lcm::ReceiveBuffer* buffer, const std::string&, Implementation* self) {
     feedback_v1_t message;
-    if (decode(buffer->data, buffer->data_size, message) == Decoded::Ok) feedback_ = message;
+    if (decode(buffer->data, buffer->data_size, message) == Decoded::Ok) self->feedback_ = message;
   }
 
   lcm::LCM lcm_;
