@@ -14,6 +14,7 @@ from glenoid.cli.demo import demo
 from glenoid.cli.drives import PASS_THROUGH, drives
 from glenoid.cli.info import info
 from glenoid.cli.plan import plan
+from glenoid.cli.rehearse import rehearse
 from glenoid.cli.replay import replay
 from glenoid.cli.simulate import simulate
 from glenoid.cli.source import source
@@ -28,7 +29,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
-for command in (plan, simulate, validate, replay, source, info, demo):
+for command in (plan, simulate, validate, rehearse, replay, source, info, demo):
     app.command()(command)
 app.command(context_settings=PASS_THROUGH)(drives)
 app.command(context_settings=PASS_THROUGH)(bridge)
