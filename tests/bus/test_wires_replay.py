@@ -263,7 +263,7 @@ def test_decoding_wants_the_exact_bytes(kind):
     ("position", "velocity"), [([], []), ([0.0] * 17, [0.0] * 17), ([0.0], [0.0, 1.0]), ([float("nan")], [0.0])]
 )
 def test_setpoints_that_cannot_be_are_not_sent(position, velocity):
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match=r"setpoint|positions"):
         setpoint_bytes(0, 1, 1, position, velocity)
 
 

@@ -29,7 +29,7 @@ inline constexpr const char* kCommandChannel = "GLENOID_COMMAND";
 [[nodiscard]] std::string checked_url(std::string_view url, bool allow_network);
 
 /// Why messages with time to live 0 may still leave this machine, or empty: the multicast route does not go to the loopback
-/// interface (lcm issue 158).
+/// interface.
 [[nodiscard]] std::string route_warning(std::string_view url);
 
 struct LcmOptions {
