@@ -12,7 +12,8 @@
 namespace glenoid {
 namespace {
 
-constexpr int kMaxIterations = 40;   // per grid
+constexpr int kMaxIterations = 40;  // per grid
+constexpr int kQuickIterations = 12;
 constexpr double kLooseStep = 3e-2;  // rad; for grids that are refined anyway
 constexpr double kStepCap = 0.6;     // rad; largest nodal change of one step
 constexpr double kArmijo = 1e-4;
@@ -71,6 +72,7 @@ struct Newton {
   DiscreteGeodesic& d;
   const ArmModel& arm;
   Certificate& certificate;
+  int most_iterations;
 
   /// One globalised step. @return size of the full step in rad, or a negative number if no descent was possible.
   double step() {
@@ -114,7 +116,7 @@ struct Newton {
   /// Iterates until a full step is below `tolerance`.
   bool run(double tolerance) {
     d.evaluate(arm);
-    for (int i = 0; i < kMaxIterations; ++i) {
+    for (int i = 0; i < most_iterations; ++i) {
       double size = step();
       if (size < 0.0) return false;
       if (certificate.hessian_positive && size < kChordZone) size = chord(size, kChordTolerance * tolerance);
@@ -190,17 +192,17 @@ Status GeodesicSolver::Workspace::run(const ArmModel& arm, const Posture& start,
   d.set_free_end(target);
   const bool sketch = options.max_order <= kSketchOrder;
   while (true) {
-    Newton newton{d, arm, c};
+    Newton newton{d, arm, c, options.quick ? kQuickIterations : kMaxIterations};
     const bool refine_anyway = d.order() < kFirstCertified && d.order() < options.max_order;
     const bool converged = newton.run(refine_anyway ? kLooseStep : options.step_tolerance);
     const bool last = d.order() >= options.max_order;
-    if (!converged && last) return Status::NoConvergence;
+    if (!converged && (last || options.quick)) return Status::NoConvergence;
     d.store(path);
     if (last && sketch) break;
     finish_path(path);
     c.spectral_tail = coefficient_size(path, path.order);
     const bool done = converged && !refine_anyway && c.spectral_tail <= options.tail_tolerance;
-    if (last && c.spectral_tail > kUnresolved) {
+    if ((last || (options.quick && !refine_anyway)) && c.spectral_tail > kUnresolved) {
       return Status::NoConvergence;  // a solution of the discrete problem, but not of the continuous one
     }
     if (done || last) break;
@@ -278,7 +280,7 @@ Status GeodesicSolver::solve_free_end(const ArmModel& arm, const Posture& start,
   Workspace& w = *workspace_;
   certificate = Certificate{};
   Status status = w.run(arm, start, guess, &target, options, warm, path, certificate);
-  if (status != Status::Ok && warm != nullptr) {
+  if (status != Status::Ok && warm != nullptr && !options.quick) {
     status = w.run(arm, start, guess, &target, options, nullptr, path, certificate);
   }
   if (status != Status::Ok) return status;

@@ -49,6 +49,11 @@ Status ReachPlanner::replan_minimum_energy(const ArmModel& arm, const Posture& s
                                            const GeodesicPath& previous, double previous_lambda,
                                            ReachPlan& out) noexcept {
   constexpr double kNear = 0.12;  // m; farther targets are planned afresh
+  constexpr GeodesicOptions kQuick = [] {
+    GeodesicOptions options;
+    options.quick = true;  // the search is the other way
+    return options;
+  }();
   constexpr double kRest = 0.95;  // lambda beyond which nothing is left of the earlier path
   if (!target.allFinite() || !std::isfinite(previous_lambda)) return Status::NotFinite;
   const Posture& end = previous.nodes[static_cast<std::size_t>(previous.order)];
@@ -60,7 +65,7 @@ Status ReachPlanner::replan_minimum_energy(const ArmModel& arm, const Posture& s
     SelfMotion motion;
     find_self_motion(arm, target, motion);
     GeodesicSolver& solver = workspace_->search.solver;
-    if (motion.count > 0 && solver.solve_free_end(arm, start, end, target, {}, &workspace_->remaining, trial.path,
+    if (motion.count > 0 && solver.solve_free_end(arm, start, end, target, kQuick, &workspace_->remaining, trial.path,
                                                   trial.certificate) == Status::Ok) {
       const Posture& found = trial.path.nodes[static_cast<std::size_t>(trial.path.order)];
       const LimitMargin margin = limit_margin(arm.limits, found);

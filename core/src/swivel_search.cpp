@@ -22,6 +22,11 @@ constexpr double kMarginTolerance = 1e-9;  // rad; rounding of an end posture th
 constexpr GeodesicOptions kCoarse{std::numeric_limits<double>::infinity(), 6, 6, 1e-1};
 constexpr GeodesicOptions kMedium{std::numeric_limits<double>::infinity(), 6, 12, 1e-4};  // wide turns: rivals are near
 constexpr GeodesicOptions kFine{};
+constexpr GeodesicOptions kFreeEnd = [] {
+  GeodesicOptions options;
+  options.quick = true;  // what it does not find is bracketed
+  return options;
+}();
 
 bool finite(const Posture& p) { return p.R_TU.allFinite() && std::isfinite(p.phi); }
 
@@ -259,7 +264,7 @@ Status SwivelSearch::best_edge(const ArmModel& arm, const Posture& start, const 
 /// Free end from a guess, with the result inside the limits.
 Status SwivelSearch::refine_interior(const ArmModel& arm, const Posture& start, const Vec3& target,
                                      const Posture& guess, const GeodesicPath& warm, ReachPlan& out) {
-  const Status status = solver.solve_free_end(arm, start, guess, target, kFine, &warm, out.path, out.certificate);
+  const Status status = solver.solve_free_end(arm, start, guess, target, kFreeEnd, &warm, out.path, out.certificate);
   if (status != Status::Ok) return status;
   const Posture& end = out.path.nodes[static_cast<std::size_t>(out.path.order)];
   return limit_margin(arm.limits, end).margin_rad >= -kMarginTolerance ? status : Status::LimitsInfeasible;

@@ -42,6 +42,7 @@ struct GeodesicOptions {
   int max_order = kMaxPathOrder;  ///< the finest grid that may be used; up to kSketchOrder the result is a sketch
   double step_tolerance = 1e-6;  ///< rad; a full Newton step below this ends the iteration, what is left is about its square
   bool long_way = false;         ///< a cold start turns the long way round: the other homotopy class
+  bool quick = false;  ///< give up after a dozen steps on one grid, or far from resolved at order 16, without other starts
 };
 
 /// Rotations beyond it may have a cheaper geodesic the long way round, rad.
