@@ -211,6 +211,26 @@ TEST_F(InboxTest, TakingAllocatesNothing) {
   EXPECT_EQ(guard.allocations(), 0);
 }
 
+TEST(Mailbox, TheWriterNeverTouchesWhatTheReaderHolds) {
+  test::Random random(6);
+  Mailbox<int> mailbox;
+  int posted = 0, held = 0;
+  for (int n = 0; n < test::test_count(5000); ++n) {
+    if (random.uniform(0, 1) < 0.5) {
+      mailbox.draft() = posted + 1;
+      ASSERT_EQ(mailbox.value(), held) << "while the writer drafts";
+      mailbox.post();
+      ++posted;
+    } else if (mailbox.take()) {
+      ASSERT_GT(posted, held);
+      held = posted;
+    } else {
+      ASSERT_EQ(posted, held) << "something newer was not shown";
+    }
+    ASSERT_EQ(mailbox.value(), held);
+  }
+}
+
 // Every word of a posted value is the same number, so that half of one and half of another would show.
 TEST(Mailbox, NeverShowsHalfAValueNorAnOlderOne) {
   struct Block {
