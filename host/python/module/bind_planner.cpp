@@ -183,7 +183,8 @@ void bind_prior(nb::module_& module) {
       .def_rw("regression", &PosturePriorCoefficients::regression)
       .def_rw("common_rad", &PosturePriorCoefficients::common_rad)
       .def_rw("effort", &PosturePriorCoefficients::effort);
-  nb::class_<PosturePrior>(module, "PosturePrior", "Swivel angle that people choose, anchored at a posture of their own.")
+  nb::class_<PosturePrior>(module, "PosturePrior",
+                           "Swivel angle that people choose, anchored at a posture of their own.")
       .def(nb::init<const PosturePriorCoefficients&, const ArmModel&, const Posture&>(), "coefficients"_a, "arm"_a,
            "anchor"_a)
       .def("swivel", &PosturePrior::swivel, "target_m"_a, "Expected swivel angle, rad.")
