@@ -138,7 +138,9 @@ def start_uml(directory: str) -> tuple[subprocess.Popen, list[threading.Thread],
 
 def attempt(backend: str, options: argparse.Namespace) -> int:
     """Runs the command one way. Raises UnusableError if it was never started."""
-    with tempfile.TemporaryDirectory(prefix="with_vcan.") as directory:
+    # Not under /dev, which a user-mode Linux mounts anew before it starts anything.
+    place = "/var/tmp" if tempfile.gettempdir().startswith("/dev/") else None
+    with tempfile.TemporaryDirectory(prefix="with_vcan.", dir=place) as directory:
         job = {
             "command": options.command,
             "cwd": str(Path.cwd()),
