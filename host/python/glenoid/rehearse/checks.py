@@ -88,15 +88,15 @@ class Evidence:
     measured_rad: Array
 
 
-def gather(scenario: Scenario, motion: Motion, record: Record, factor: float = 1.0) -> Evidence:
+def gather(scenario: Scenario, motion: Motion, record: Record) -> Evidence:
     """Aligns what was measured with what the source wanted: the drives show a setpoint one delay and one SYNC later."""
     config = scenario.config
     times = record.feedback["time_ns"]
     faults = [record.origin_ns + round(1e9 * fault.at_s) for fault in scenario.data.faults]
     first = min(faults) if faults else None
-    end = record.origin_ns + round(1e9 * motion.rows * motion.step_s / factor)
+    end = record.origin_ns + round(1e9 * motion.rows * motion.period_s)
     until = end if first is None else min(first, end)
-    row = factor * 1e-9 * (times - config.delay_ns - config.period_ns - record.origin_ns) / motion.step_s
+    row = 1e-9 * (times - config.delay_ns - config.period_ns - record.origin_ns) / motion.period_s
     inside = (row >= 0.0) & (row <= motion.rows - 1) & (times < until)
     at = row[inside]
     grid = np.arange(motion.rows, dtype=float)
@@ -167,24 +167,24 @@ def joint_margin(e: Evidence) -> Value:
     return -value, name
 
 
-def arm_rates(e: Evidence) -> tuple[Array, Array]:
-    """Speed of the upper arm's rotation and of the elbow, rad/s: a column each; and the times, s."""
+def arm_rates(e: Evidence) -> Array:
+    """Speed of the upper arm's rotation and of the elbow, rad/s: a column each."""
     q, dq = e.motion.samples["q_rad"][: upto(e)], e.motion.samples["dq_rad_per_s"][: upto(e)]
     turn = dq[:, 0] ** 2 + dq[:, 1] ** 2 + dq[:, 2] ** 2 + 2.0 * dq[:, 1] * dq[:, 2] * np.cos(q[:, 0])
-    return np.column_stack([np.sqrt(np.maximum(turn, 0.0)), np.abs(dq[:, 3])]), q
+    return e.motion.factor * np.column_stack([np.sqrt(np.maximum(turn, 0.0)), np.abs(dq[:, 3])])
 
 
 def arm_speed(e: Evidence) -> Value:
     """Upper arm's angular speed and elbow's rate."""
-    return worst(arm_rates(e)[0], ["upper arm", "elbow"])
+    return worst(arm_rates(e), ["upper arm", "elbow"])
 
 
 def arm_acceleration(e: Evidence) -> Value:
     """Change of those speeds."""
-    rates = arm_rates(e)[0]
+    rates = arm_rates(e)
     if len(rates) < 2:
         return None, "too short"
-    return worst(np.abs(np.diff(rates, axis=0)) / e.motion.step_s, ["upper arm", "elbow"])
+    return worst(np.abs(np.diff(rates, axis=0)) / e.motion.period_s, ["upper arm", "elbow"])
 
 
 def device_margin(e: Evidence) -> Value:

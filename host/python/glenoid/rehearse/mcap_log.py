@@ -127,7 +127,7 @@ def all_messages(record: Record, scenario: Scenario, motion: Motion) -> Iterator
             "can",
             {"time_ns": row["time_ns"], "bus": names[row["bus"]], "id": row["id"], "data": text},
         )
-    step_ns = round(1e9 * motion.step_s)
+    step_ns = round(1e9 * motion.period_s)
     for k, row in enumerate(rows_of(motion.samples, [key for key, _, _ in OUTPUTS])):
         yield record.origin_ns + k * step_ns, "source", {"time_ns": record.origin_ns + k * step_ns} | row
 

@@ -42,7 +42,8 @@ class Motion:
     """What the source gives: rows at `step_s`, from the instant at which the first target is set.
 
     Attributes:
-        step_s: period of the setpoints, s.
+        step_s: period of the setpoints on the source's clock, s.
+        factor: how fast that clock runs against that of the bridge.
         samples: arrays by the keys of OUTPUTS; `residual_m`: what the girdle drives leave.
         status: number of the FMU's status, a row each.
         begins: row at which each movement's target was set.
@@ -53,6 +54,7 @@ class Motion:
     """
 
     step_s: float
+    factor: float
     samples: dict[str, Array]
     status: NDArray[np.int64]
     begins: list[int]
@@ -61,6 +63,11 @@ class Motion:
     fmu: Path
     fmu_sha256: str
     messages: list[str]
+
+    @property
+    def period_s(self) -> float:
+        """Between two samples on the bridge's clock, s."""
+        return self.step_s / self.factor
 
     @property
     def rows(self) -> int:
@@ -134,7 +141,9 @@ class FmuSource:
         shutil.rmtree(self._folder, ignore_errors=True)
 
 
-def run_source(scenario: Scenario, step_s: float, tell: Callable[[float], None] = lambda _share: None) -> Motion:
+def run_source(
+    scenario: Scenario, period_s: float, factor: float = 1.0, tell: Callable[[float], None] = lambda _share: None
+) -> Motion:
     """Steps the FMU through all movements.
 
     Nothing flows back from the bridge into the FMU, so its steps may be taken before the bridge's: the bits are those of
@@ -142,7 +151,8 @@ def run_source(scenario: Scenario, step_s: float, tell: Callable[[float], None] 
 
     Args:
         scenario: what to do.
-        step_s: period of the setpoints, s.
+        period_s: between two setpoints, s.
+        factor: how fast the source's clock runs.
         tell: is told the share done.
 
     Raises:
@@ -151,6 +161,7 @@ def run_source(scenario: Scenario, step_s: float, tell: Callable[[float], None] 
     """
     fmu = fmu_path("3")
     device = load_device(scenario.data.exoskeleton)
+    step_s = factor * period_s
     source = FmuSource(scenario, device, fmu, step_s)
     rows: list[list[float]] = []
     status: list[int] = []
@@ -182,7 +193,16 @@ def run_source(scenario: Scenario, step_s: float, tell: Callable[[float], None] 
         source.close()
     samples = columns(np.array(rows, dtype=float))
     motion = Motion(
-        step_s, samples, np.array(status, dtype=np.int64), begins, ends, targets, fmu, sha256(fmu), source.messages
+        step_s=step_s,
+        factor=factor,
+        samples=samples,
+        status=np.array(status, dtype=np.int64),
+        begins=begins,
+        ends=ends,
+        targets_m=targets,
+        fmu=fmu,
+        fmu_sha256=sha256(fmu),
+        messages=source.messages,
     )
     samples["residual_m"] = girdle_residual(scenario, device, motion)
     return motion

@@ -102,7 +102,7 @@ def errors(e: Evidence) -> Figure:
     axes[0].set_ylabel("tracking error (mrad)")
     axes[0].legend(loc="best", ncols=2)
     wrist = e.motion.samples["wrist_m"]
-    grid = np.arange(len(wrist)) * e.motion.step_s
+    grid = np.arange(len(wrist)) * e.motion.period_s
     for k, label in enumerate(("to the right", "forward", "up")):
         axes[1].plot(grid, wrist[:, k], color=COLOURS[k], label=label)
     axes[1].set_ylabel("planned wrist (m)")

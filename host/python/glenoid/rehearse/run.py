@@ -18,7 +18,7 @@ from glenoid.rehearse.mcap_log import write_mcap
 from glenoid.rehearse.motion import run_source
 from glenoid.rehearse.real_time import run_real_time
 from glenoid.rehearse.report import write_report
-from glenoid.rehearse.scenario import Scenario
+from glenoid.rehearse.scenario import BRIDGE_COPY, Scenario
 from glenoid.rehearse.virtual import run_virtual
 
 #: what is told: stage, share of it done
@@ -49,11 +49,9 @@ def perform(scenario: Scenario, tell: Tell) -> Evidence:
     """Runs source, bridge and drives. InputError where they do not fit together."""
     data, config = scenario.data, scenario.config
     factor = data.real_time.factor if data.mode == "real_time" else 1.0
-    step_s = factor * 1e-9 * config.setpoint_period_ns
-    motion = run_source(scenario, step_s, lambda share: tell("FMU", share))
+    motion = run_source(scenario, 1e-9 * config.setpoint_period_ns, factor, lambda share: tell("FMU", share))
     run = run_real_time if data.mode == "real_time" else run_virtual
-    record = run(scenario, motion, tell)
-    return gather(scenario, motion, record, factor)
+    return gather(scenario, motion, run(scenario, motion, tell))
 
 
 def facts_of(e: Evidence, findings: list[Finding], begun: float) -> dict[str, Any]:
@@ -85,7 +83,7 @@ def write_folder(folder: Path, e: Evidence, findings: list[Finding], facts: dict
     record, scenario = e.record, e.scenario
     tell("logs", 0.0)
     (folder / SCENARIO).write_text(scenario.resolved(), encoding="utf-8")
-    (folder / "bridge.yaml").write_text(scenario.bridge_yaml, encoding="utf-8")
+    (folder / BRIDGE_COPY).write_text(scenario.bridge_yaml, encoding="utf-8")
     write_candump(folder / CANDUMP, record, scenario)
     tell("logs", 0.3)
     write_lcm_log(folder / LCM_LOG, record, scenario)

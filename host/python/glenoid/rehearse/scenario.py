@@ -31,6 +31,8 @@ ACTIVITIES: dict[str, Vector3] = {
     "drink": (0.05, 0.20, 0.15),
     "reach_across": (-0.10, 0.38, 0.05),
 }
+#: the bridge's configuration in the folder of a rehearsal
+BRIDGE_COPY = "bridge.yaml"
 ActivityName = Literal["reach_high", "comb_hair", "drink", "reach_across"]
 StateName = Literal["IDLE", "READY", "RUN", "HOLD", "STOP", "FAULT"]
 Level = Literal["off", "warn", "error"]
@@ -137,7 +139,10 @@ class RealTimeInput(Strict):
     )
     bus: str = Field(default="udp:239.74.163.2", description="in place of the configuration's first bus")
     lcm_url: str = "udpm://239.255.76.67:7667?ttl=0"
-    priority: Annotated[int, Field(ge=0, le=99)] = 0
+    priority: Annotated[int, Field(ge=0, le=90)] = Field(
+        default=80,
+        description="SCHED_FIFO of the bridge, where that is permitted; drives and source stay below; 0: ordinary",
+    )
 
 
 class FaultInput(Strict):
@@ -325,8 +330,9 @@ class Scenario:
         )
 
     def resolved(self) -> str:
-        """Everything that was run, as YAML with every default written out."""
-        return yaml.safe_dump(self.data.model_dump(mode="json"), sort_keys=False, allow_unicode=True)
+        """Everything that was run, as YAML with every default written out; to be run again beside BRIDGE_COPY."""
+        data = self.data.model_copy(update={"bridge": BridgeInput(file=BRIDGE_COPY, exoskeleton=self.config.name)})
+        return yaml.safe_dump(data.model_dump(mode="json"), sort_keys=False, allow_unicode=True)
 
 
 def parse_scenario(data: dict[str, Any], path: Path) -> Scenario:

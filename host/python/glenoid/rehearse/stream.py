@@ -49,20 +49,19 @@ class Stream:
         return int(self.due_ns[-1])
 
 
-def make_stream(motion: Motion, period_ns: int, factor: float = 1.0) -> Stream:
+def make_stream(motion: Motion, period_ns: int) -> Stream:
     """The motion with the start held before it and the end behind it.
 
     Args:
-        motion: of the source, sampled every factor * period_ns.
+        motion: of the source, a sample every period; velocities are scaled to the bridge's clock.
         period_ns: between two setpoints.
-        factor: how fast the source's clock runs; velocities are scaled.
 
     """
     lead, trail = round(LEAD_S * 1e9 / period_ns), round(TRAIL_S * 1e9 / period_ns)
     rows = np.clip(np.arange(-lead, motion.rows + trail), 0, motion.rows - 1)
     stamp = np.arange(-lead, motion.rows + trail, dtype=np.int64) * period_ns
     held = (stamp < 0) | (stamp > (motion.rows - 1) * period_ns)
-    velocity = factor * motion.samples["exo_dq_rad_per_s"][rows]
+    velocity = motion.factor * motion.samples["exo_dq_rad_per_s"][rows]
     velocity[held] = 0.0
     return Stream(
         stamp,

@@ -149,7 +149,7 @@ def follow(
     """From the start to the end of the motion, or until what a stop leads to was seen; then disarms."""
     if not rig.run_until(STATE_NUMBER["RUN"], cycles(0.5 * LEAD_S)):
         stages.append("the bridge did not start to follow")
-    length_ns = round(1e9 * (motion.rows * motion.step_s))
+    length_ns = round(1e9 * (motion.rows * motion.period_s))
     end_ns = origin_ns + length_ns + round(0.2e9)
     stopped = (STATE_NUMBER["STOP"], STATE_NUMBER["FAULT"])
     while rig.now_ns < end_ns:

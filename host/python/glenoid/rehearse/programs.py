@@ -1,0 +1,176 @@
+"""glenoid-bridge and glenoid-drives as child processes of a rehearsal in real time."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import resource
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import yaml
+
+from glenoid.inputs import InputError, read_mapping
+from glenoid.programs import program
+from glenoid.rehearse.motion import Motion
+from glenoid.rehearse.scenario import Scenario
+from glenoid.rehearse.virtual import profile_file
+
+#: below the bridge and the drives
+SOURCE_PRIORITY = 40
+STOP_WAIT_S, READY_WAIT_S = 6.0, 5.0
+
+
+class Programs(NamedTuple):
+    """What runs, and where it writes."""
+
+    bridge: subprocess.Popen[str]
+    drives: subprocess.Popen[str]
+    frames: Path
+    report: Path
+
+    def counters(self) -> list[dict[str, Any]]:
+        """Of the drives, after their end; empty where they left none."""
+        try:
+            drives: list[dict[str, Any]] = json.loads(self.report.read_text(encoding="utf-8"))["drives"]
+        except (OSError, ValueError, KeyError):
+            return []
+        return drives
+
+
+def may_be_realtime() -> bool:
+    """Whether this user may have SCHED_FIFO and locked memory."""
+    priority, locked = (resource.getrlimit(limit)[0] for limit in (resource.RLIMIT_RTPRIO, resource.RLIMIT_MEMLOCK))
+    unlimited = resource.RLIM_INFINITY
+    return os.geteuid() == 0 or ((priority == unlimited or priority >= 80) and locked == unlimited)
+
+
+@contextlib.contextmanager
+def realtime_source(priority: int) -> Iterator[None]:
+    """The source of setpoints under SCHED_FIFO, where wanted and permitted."""
+    if priority == 0 or not may_be_realtime():
+        yield
+        return
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(SOURCE_PRIORITY))
+    except OSError:  # a container may forbid it all the same
+        yield
+        return
+    try:
+        yield
+    finally:
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+
+
+def bridge_configuration(scenario: Scenario, folder: Path) -> Path:
+    """The configuration with the bus of the rehearsal in place of its own; its hash is the same."""
+    if len(scenario.config.buses) != 1:
+        raise InputError(f"{scenario.bridge_file}: {len(scenario.config.buses)} buses: mode real_time takes one")
+    data = yaml.safe_load(scenario.bridge_yaml)
+    data["exoskeletons"][scenario.config.name]["buses"][0]["url"] = scenario.data.real_time.bus
+    path = folder / "bridge.yaml"
+    path.write_text(yaml.safe_dump(data, sort_keys=False), encoding="utf-8")
+    return path
+
+
+def drive_profile(scenario: Scenario, joint: dict[str, Any], folder: Path) -> Path:
+    """The profile with the gear of the configuration, as in virtual time."""
+    data = read_mapping(profile_file(scenario))
+    gear, counts = joint["gear_ratio"], joint["encoder_counts_per_turn"]
+    if gear == int(gear) and counts == int(counts):
+        data["mechanics"] |= {"gear_ratio": int(gear), "encoder_counts_per_motor_rev": int(counts)}
+    if joint["rated_torque_Nm"] > 0.0:
+        data["mechanics"]["rated_torque_Nm"] = joint["rated_torque_Nm"]
+    path = folder / f"drive_{joint['node']}.yaml"
+    path.write_text(yaml.safe_dump(data, sort_keys=False), encoding="utf-8")
+    return path
+
+
+def drives_command(scenario: Scenario, motion: Motion, folder: Path, report: Path) -> list[str]:
+    """Command line of the drives, standing where the motion begins."""
+    joints = scenario.config.joints
+    start = motion.samples["exo_q_rad"][0]
+    if len(start) != len(joints):
+        raise InputError(f"{scenario.bridge_file}: {len(joints)} joints, the exoskeleton has {len(start)}")
+    own = [joint["sign"] * (q - joint["offset_rad"]) for joint, q in zip(joints, start.tolist(), strict=True)]
+    profiles = [f"--profile={joint['node']}={drive_profile(scenario, joint, folder)}" for joint in joints]
+    return [
+        str(program("glenoid-drives")),
+        f"--bus={scenario.data.real_time.bus}",
+        "--nodes=" + ",".join(str(joint["node"]) for joint in joints),
+        "--start-rad=" + ",".join(repr(value) for value in own),
+        f"--seed={scenario.data.drives.seed}",
+        f"--report={report}",
+        *profiles,
+        *(["--realtime"] if scenario.data.real_time.priority > 0 and may_be_realtime() else []),
+    ]
+
+
+def bridge_command(scenario: Scenario, folder: Path, frames: Path) -> list[str]:
+    """Command line of the bridge."""
+    given = scenario.data.real_time
+    return [
+        str(program("glenoid-bridge")),
+        str(bridge_configuration(scenario, folder)),
+        f"--exoskeleton={scenario.config.name}",
+        f"--lcm-url={given.lcm_url}",
+        f"--log={frames}",
+        f"--priority={given.priority}",
+        "--quiet",
+    ]
+
+
+def start(command: list[str], log: Path) -> subprocess.Popen[str]:
+    """A child process whose words go to a file."""
+    with log.open("w", encoding="utf-8") as words:
+        return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=words, stderr=words, text=True)
+
+
+def stop(process: subprocess.Popen[str]) -> None:
+    """Asks a program to end, and ends it where it does not."""
+    if process.poll() is None:
+        process.send_signal(signal.SIGTERM)
+    try:
+        process.wait(STOP_WAIT_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def require_running(process: subprocess.Popen[str], log: Path, name: str) -> None:
+    """InputError with the program's last words where it ended by itself."""
+    if process.poll() is not None:
+        words = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
+        raise InputError(f"{name} ended at once: {words[-1] if words else f'status {process.returncode}'}")
+
+
+@contextlib.contextmanager
+def programs(scenario: Scenario, motion: Motion, folder: Path) -> Iterator[Programs]:
+    """Runs both programs; they have ended when this is left.
+
+    Raises:
+        InputError: a program is missing or ends at once; its words are in the text.
+
+    """
+    frames, report = folder / "candump.log", folder / "drives.json"
+    drives_log, bridge_log = folder / "drives.txt", folder / "bridge.txt"
+    drives = start(drives_command(scenario, motion, folder, report), drives_log)
+    try:
+        end = time.monotonic() + READY_WAIT_S
+        while "ready" not in drives_log.read_text(encoding="utf-8") and time.monotonic() < end:
+            require_running(drives, drives_log, "glenoid-drives")
+            time.sleep(0.02)
+        bridge = start(bridge_command(scenario, folder, frames), bridge_log)
+        try:
+            time.sleep(0.1)
+            require_running(bridge, bridge_log, "glenoid-bridge")
+            yield Programs(bridge, drives, frames, report)
+        finally:
+            stop(bridge)
+    finally:
+        stop(drives)
