@@ -37,6 +37,12 @@ ExoSettings exo_from(const Values& values) noexcept {
   exo.base = vector_at<3>(values, kExoBase);
   exo.cuff = vector_at<3>(values, kExoCuff);
   exo.girdle_order = enum_at<GirdleOrder>(values, kExoGirdleOrder);
+  exo.girdle_drives = enum_at<GirdleDrives>(values, kExoGirdleDrives);
+  exo.girdle_link_m = values[kExoGirdleLink];
+  exo.base_follows_girdle = values[kExoBaseFollowsGirdle] != 0.0;
+  exo.min_singularity_rad = values[kExoMinSingularity];
+  exo.lower = vector_at<6>(values, kExoLower);
+  exo.upper = vector_at<6>(values, kExoUpper);
   return exo;
 }
 
@@ -92,6 +98,7 @@ void store(double time_s, const MotionSample& sample, Values& values) noexcept {
   values[kProgress] = sample.progress;
   values[kEnergy] = sample.energy;
   values[kMisalignment] = sample.misalignment;
+  values[kExoResidual] = sample.exo_residual;
   put<6>(values, kExoQ, sample.exo_q);
   put<6>(values, kExoDq, sample.exo_dq);
   values[kStatus] = static_cast<double>(sample.status);

@@ -17,6 +17,8 @@ AT_ONCE = [
     ("motion.duration", 0.0, "s"), ("motion.duration", -1.5, "s"), ("motion.duration", 61.0, "s"),
     ("limits.lower[1]", -0.1, "rad"), ("limits.upper[4]", 145.0, "rad"), ("start.q[1]", 15.0, "rad"),
     ("start.q[2]", math.nan, "rad"), ("exo.axis1[3]", 1.5, ""), ("exo.base[1]", -math.inf, "rad"), ("exo.girdleOrder", 3, ""),
+    ("exo.girdleDrives", 0, ""), ("exo.girdleDrives", 5, ""), ("exo.girdleLink", -0.1, "m"), ("exo.girdleLink", 150.0, "m"),
+    ("exo.minSingularity", 5.0, "rad"), ("exo.lower[1]", -math.inf, "rad"), ("exo.upper[6]", math.nan, "rad"),
     ("target[1]", math.nan, "m"), ("target[2]", math.inf, "m"), ("target[3]", 420.0, "m"),
 ]  # fmt: skip
 
@@ -44,7 +46,8 @@ TOGETHER = {
     "start outside limits": ({"limits.upper[4]": 0.9}, ["start", "phi", "rad"]),
     "axis of length zero": ({"exo.axis1": (0, 0, 0)}, ["exo.axis1"]),
     "axis not a unit vector": ({"exo.axis2": (1, 1, 0)}, ["exo.axis2"]),
-    "swivel prior not available": ({"swivel.mode": 3}, ["swivel.mode", "3"]),
+    "range crossed": ({"exo.lower[3]": 0.5, "exo.upper[3]": -0.5}, ["exo.lower", "rad"]),
+    "carried base without a girdle": ({"exo.baseFollowsGirdle": True, "exo.girdleDrives": 4}, ["girdle", "drives"]),
 }
 
 

@@ -12,7 +12,8 @@ H = 1 / 512
 CORE_NAMES = {
     "q": "q_rad", "dq": "dq_rad_per_s", "ddq": "ddq_rad_per_s2", "shoulder": "shoulder_m", "elbow": "elbow_m",
     "wrist": "wrist_m", "girdle": "girdle", "swivel": "swivel_rad", "progress": "progress", "energy": "energy_kg_m2",
-    "misalignment": "misalignment_m", "status": "status",
+    "misalignment": "misalignment_m", "exo.residual": "exo_residual_m", "exo.q": "exo_q_rad",
+    "exo.dq": "exo_dq_rad_per_s", "status": "status",
 }  # fmt: skip
 
 
@@ -90,6 +91,52 @@ def test_the_fmu_equals_the_core(core, archive, rng):
                 expected = generator.sample(np.array([k * H + H]))
                 for name, column in CORE_NAMES.items():
                     assert same_bits(np.ravel(unit.get(name)), np.ravel(expected[column])), f"{name} at step {k}"
+
+
+# Parameters of the device as the FMU and as the core take them; each changes the joints or refuses the default reach.
+DEVICES = {
+    "fixed length": (
+        {"exo.girdleDrives": 2, "exo.girdleLink": 0.15},
+        {"girdle_drives": "NoLength", "girdle_link_m": 0.15},
+    ),
+    "vertical slide": ({"exo.girdleDrives": 3}, {"girdle_drives": "VerticalOnly"}),
+    "no drives": ({"exo.girdleDrives": 4}, {"girdle_drives": "NoDrives"}),
+    "carried base": (
+        {"exo.baseFollowsGirdle": True, "exo.girdleOrder": 2},
+        {"base_follows_girdle": True, "girdle_order": "ElevationFirst"},
+    ),
+    "other assembly": ({"exo.upper[4]": 0.0}, {"upper_rad": [1e9, 1e9, 1e9, 0.0, 1e9, 1e9]}),
+    "upper range": ({"exo.upper[4]": 1.0}, {"upper_rad": [1e9, 1e9, 1e9, 1.0, 1e9, 1e9]}),
+    "lower range": ({"exo.lower[6]": 0.9}, {"lower_rad": [-1e9, -1e9, -1e9, -1e9, -1e9, 0.9]}),
+    "near singular": ({"exo.minSingularity": 1.0}, {"min_singularity_rad": 1.0}),
+}
+
+
+def whole_reach(unit):
+    for k in range(90):
+        assert unit.step(k * 16 * H, 16 * H) == OK
+        yield unit.outputs()
+
+
+@pytest.mark.parametrize("case", DEVICES)
+def test_a_device_in_the_fmu_is_the_device_in_the_core(core, archive, case):
+    values, members = DEVICES[case]
+    settings = core.MotionSettings()
+    exo = core.ExoSettings()
+    for name, value in members.items():
+        kind = {"girdle_drives": core.GirdleDrives, "girdle_order": core.GirdleOrder}.get(name)
+        setattr(exo, name, getattr(kind, value) if kind else np.array(value) if isinstance(value, list) else value)
+    settings.exo = exo
+    generator = core.MotionGenerator(settings, 0.0)
+    generator.command(0.0, np.array([0.20, 0.42, 0.25]))
+    expected = generator.sample(np.arange(1, 91) * (16 * H))
+    with fmu_driver.Instance(archive) as unit, fmu_driver.Instance(archive) as plain:
+        rows = np.array(list(whole_reach(unit.initialize(**values))))
+        assert not same_bits(rows, np.array(list(whole_reach(plain.initialize()))))
+    names = [v.name for v in archive.outputs]
+    for name, column in CORE_NAMES.items():
+        chosen = [k for k, output in enumerate(names) if output == name or output.startswith(name + "[")]
+        assert same_bits(rows[:, chosen].squeeze(), expected[column]), name
 
 
 def test_the_reference_result_is_reproduced(archive):

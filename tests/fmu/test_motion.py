@@ -112,6 +112,25 @@ def test_duration_is_that_of_later_movements(new):
     assert unit.get("status") == ARRIVED
 
 
+@pytest.mark.parametrize("same", [True, False])
+def test_after_a_stop_only_another_target_starts_a_movement(new, same):
+    unit = new().initialize()
+    unit.run(0, 0.75, H)
+    assert unit.set("stop", True) == OK
+    unit.run(0.75, 1.75, H)
+    still, target = unit.get("q"), unit.get("target")
+    assert unit.get("status") == STOPPED
+    assert unit.set("stop", False) == OK
+    assert unit.set("target[3]", target[2] + (0.9e-3 if same else 1.1e-3)) == OK
+    unit.run(1.75, 3.5, H)
+    if same:
+        assert unit.get("status") == STOPPED
+        assert unit.get("q") == still
+    else:
+        assert unit.get("status") == ARRIVED
+        assert math.dist(unit.get("wrist"), unit.get("target")) < 1e-6
+
+
 REFUSED = {
     "out of reach": ({}, (1.0, 1.0, 1.0), UNREACHABLE, "out of reach"),
     "behind the limits": (
@@ -119,6 +138,15 @@ REFUSED = {
         (0.10, 0.12, -0.12),
         LIMITS,
         "limits",
+    ),
+    "joint range": ({"exo.upper[4]": 1.0}, (0.20, 0.42, 0.25), EXO, "Shoulder2 is beyond its upper limit"),
+    "range of a girdle joint": ({"exo.upper[2]": 0.1}, (0.20, 0.42, 0.25), EXO, "GirdleElevation is beyond"),
+    "near singular": ({"exo.minSingularity": 1.0}, (0.20, 0.42, 0.25), EXO, "singular"),
+    "axes out of reach": (
+        {"exo.axis2": (0.6, 0.0, 0.8), "exo.axis3": (0.0, 0.0, 1.0), "start.q": (0.6, -0.5, 0.5, 1.0)},
+        (0.20, 0.42, 0.25),
+        EXO,
+        "out of reach of its axes",
     ),
 }
 

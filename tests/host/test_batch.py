@@ -1,11 +1,16 @@
 """`glenoid plan --batch`: the contract for programs."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
+from glenoid import _core
 from glenoid.batch import run_batch
+from glenoid.devices import load_device, parse_device
+from glenoid.exo import core_exo
 from glenoid.inputs import ReachInput
+from glenoid.reach import plan_reach
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -125,6 +130,66 @@ def test_bad_task_is_answered_and_disturbs_no_other(case):
     assert "errors.pydantic.dev" not in bad.get("message", "")
     assert before["q"] == after["q"]
     json.dumps([before, bad, after], allow_nan=False)
+
+
+EXO_KEYS = {"exo_status", "exo_q", "exo_residual", "exo_margin", "exo_singularity", "exo_worst"}
+EXO = "name: d\nshoulder: {a12_deg: 90, a23_deg: 90}\n"
+
+
+def device(text=""):
+    return parse_device(EXO + text, Path("d.yaml"))
+
+
+def test_joints_of_the_device_put_the_arm_where_the_answer_has_it(run, tmp_path):
+    file, mine = tmp_path / "tasks.json", tmp_path / "d.yaml"
+    file.write_text(json.dumps([GOOD]), encoding="utf-8")
+    mine.write_text(EXO + "girdle: {drives: NoLength, base_follows: true}\n", encoding="utf-8")
+    (answer,) = run("plan", "--batch", file, "--exo", mine, "--json").json
+    assert answer.keys() == KEYS | EXO_KEYS
+    assert answer["exo_status"] == "ok"
+    joints, arm_q = np.array(answer["exo_q"]), np.array(answer["q"])
+    assert joints.shape == (101, 6)
+    model = _core.ExoModel(core_exo(load_device(mine), ReachInput().subject), np.array(answer["shoulder"][0]))
+    for row, angles in zip(joints, arm_q, strict=True):
+        assert np.abs(_core.exo_upper_arm(model, row) - _core.posture_from_angles(angles).R_TU).max() < 1e-12
+    assert np.abs(joints[:, 5] - arm_q[:, 3]).max() < 1e-12
+    distance = np.linalg.norm(answer["shoulder"], axis=1)
+    assert np.allclose(answer["exo_residual"], np.abs(distance - distance[0]), rtol=0, atol=1e-12)
+    assert answer["exo_worst"]["least_margin_rad"] <= min(answer["exo_margin"])
+    assert answer["exo_worst"]["refusal"] is None
+
+
+def test_joints_of_a_batch_are_those_of_a_single_plan():
+    reach = ReachInput(start_q_rad=tuple(Q0), target_m=tuple(TARGET))
+    (answer,) = run_batch([GOOD], ReachInput(), device())
+    generator = plan_reach(reach, 100.0, core_exo(device(), reach.subject)).generator
+    ends = generator.sample(np.array([0.0, 2.0 * reach.duration_s]))["exo_q_rad"]
+    assert np.abs(ends - np.array(answer["exo_q"])[[0, -1]]).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("text", "refusal"),
+    [("joints: {shoulder_2: {range_deg: [0, 40]}}", "JointLimit"), ("mounts: {base_deg: [0, 0, 0]}", None)],
+)
+def test_a_device_that_cannot_follow_leaves_the_arm_s_answer_alone(text, refusal):
+    (plain,) = solve(GOOD)
+    (answer,) = run_batch([GOOD], ReachInput(), device(text))
+    assert {key: answer[key] for key in KEYS - {"solve_us"}} == {key: plain[key] for key in KEYS - {"solve_us"}}
+    assert answer["exo_status"] == ("ExoInfeasible" if refusal else "ok")
+    assert answer["exo_worst"]["refusal"] == refusal
+    if refusal:
+        assert answer["exo_q"] is None
+        assert answer["exo_worst"]["least_range_joint"] == "shoulder_2"
+        assert answer["exo_worst"]["least_range_margin_rad"] < 0
+
+
+def test_a_task_without_rhythm_or_motion_has_no_joints():
+    path = [[0.15, -0.06, 0.01], [0.14, -0.04, 0.06]]
+    answers = run_batch([GOOD | {"gh_path_m": path}, GOOD | {"target": [3, 0, 0]}], ReachInput(), device())
+    assert [answer["exo_status"] for answer in answers] == ["Unsupported", None]
+    for answer in answers:
+        assert answer.keys() == KEYS | EXO_KEYS
+        assert answer["exo_q"] is None
 
 
 def test_batch_is_deterministic():

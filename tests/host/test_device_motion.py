@@ -208,22 +208,47 @@ def test_tables_and_pictures_of_both_spaces(run, tmp_path):
 
 
 @pytest.mark.parametrize("fmi", ["2", "3"])
-def test_fmu_gives_the_joints_of_the_plan(fmi, run, tmp_path):
-    table = tmp_path / "s.csv"
-    done = run("simulate", "--exo", "generic_60_60", "--fmi", fmi, "--csv", table, "--json")
+@pytest.mark.parametrize("name", NAMES)
+def test_fmu_gives_the_joints_of_the_plan(name, fmi, run, tmp_path):
+    table, picture = tmp_path / "s.csv", tmp_path / "s.png"
+    done = run("simulate", "--exo", name, "--fmi", fmi, "--csv", table, "--plot", picture, "--stop-s", 1.5, "--json")
     assert done.code == 0
-    assert done.json["largest_difference_from_core_rad"] <= 1e-12
-    assert done.json["largest_difference_from_device_rad"] <= 1e-12
-    assert "exo_shoulder_1_rad" in table.read_text(encoding="utf-8").splitlines()[0]
+    assert done.json["largest_difference_from_core_rad"] == 0.0
+    motion = run("plan", "--exo", name, "--json").json["exo"]["motion"]  # both every 10 ms
+    for key in ("exo_q_rad", "exo_dq_rad_per_s", "exo_residual_m"):
+        assert len(done.json[key]) == len(motion[key])
+        # The two may form the time of a sample differently by a rounding: rates below 10 rad/s, 200 rad/s^2.
+        assert np.abs(np.array(done.json[key]) - motion[key]).max() <= 200 * 4e-16
+    header = table.read_text(encoding="utf-8").splitlines()[0]
+    assert "exo_shoulder_1_rad" in header
+    assert "exo_residual_m" in header
+    assert (tmp_path / "s_exo.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_what_the_fmu_cannot_know_is_said_loudly(run):
-    text = run("simulate", "--exo", "harmony").out
-    assert "girdle.drives" in text
-    assert "WARNING" in text
+@pytest.mark.parametrize(
+    "text",
+    [
+        "girdle: {drives: VerticalOnly, link_m: 0.18}",
+        "girdle: {drives: NoDrives}",
+        "girdle: {drives: NoLength, order: ElevationFirst, base_follows: true, link_m: 0.15}",
+        "joints: {shoulder_2: {range_deg: [-170, 0]}}",
+    ],
+)
+def test_every_figure_of_a_device_reaches_the_fmu(text, run, device_file):
+    plain = run("simulate", "--exo", device_file(IDENTITY), "--json").json
+    done = run("simulate", "--exo", device_file(IDENTITY + text + "\n"), "--json")
+    assert done.code == 0
+    assert done.json["largest_difference_from_core_rad"] == 0.0
+    assert any(done.json[key] != plain[key] for key in ("exo_q_rad", "exo_residual_m"))
 
 
-def test_base_carried_by_the_girdle_is_no_parameter_of_the_fmu(run, device_file):
+def test_a_device_for_the_other_arm_is_refused_before_the_run(run, device_file):
+    done = run("simulate", "--exo", device_file(IDENTITY + "side: left\n"))
+    assert done.code == 2
+    assert "side = left" in done.err
+
+
+def test_base_carried_by_the_girdle_turns_the_shoulder_joints_back(run, device_file):
     file = device_file(IDENTITY + "girdle: {base_follows: true}\n")
     carried = run("plan", "--exo", file, "--json").json["exo"]["motion"]
     level = run("plan", "--exo", device_file(IDENTITY), "--json").json["exo"]["motion"]
@@ -234,10 +259,6 @@ def test_base_carried_by_the_girdle_is_no_parameter_of_the_fmu(run, device_file)
         girdle = turn("z", q[0]) @ turn("y", -q[1])
         ours, plain = (turn("z", a[2]) @ turn("x", a[3]) @ turn("z", a[4]) for a in (q, other))
         assert np.abs(girdle @ ours - plain).max() < 1e-12
-    file = device_file(IDENTITY + "girdle: {base_follows: true}\n")
-    done = run("simulate", "--exo", file)
-    assert done.code == 2
-    assert "girdle.base_follows" in done.err
 
 
 def test_plan_says_which_figures_of_a_subject_are_scaled(run):

@@ -10,19 +10,27 @@ import fmpy
 import fmpy.ssp
 import numpy as np
 import pytest
-from glenoid import ssv
-from glenoid.devices import load_device
+from glenoid import _core, ssv
+from glenoid.devices import load_device, parse_device
 from glenoid.fmus import fmu_path
 from glenoid.inputs import ReachInput, load_subject
-from glenoid.parameters import device_parameters, subject_parameters
-from glenoid.settings import make_generator
-from glenoid.simulate import fmu_exo, start_values
+from glenoid.parameters import NO_RANGE_RAD, device_parameters, subject_parameters
+from glenoid.simulate import core_samples, start_values
 from lxml import etree
 from places import ROOT
 
 SUBJECTS = sorted((ROOT / "host/subjects").glob("*.yaml"))
 DEVICES = [path for path in sorted((ROOT / "host/exoskeletons").glob("*.yaml")) if not load_device(path).missing]
-OUTPUTS = [f"exo.q[{k}]" for k in range(1, 7)]
+OUTPUTS = [*(f"exo.q[{k}]" for k in range(1, 7)), "exo.residual"]
+MINE = """
+name: mine
+shoulder: {a12_deg: 90, a23_deg: 90, min_singularity_deg: 12}
+mounts: {base_deg: [20, 0, 0]}
+girdle: {drives: NoLength, order: ElevationFirst, base_follows: true, link_m: 0.16}
+joints:
+  girdle_protraction: {range_rad: [-0.2, 0.3]}
+  shoulder_2: {range_deg: [10, 130]}
+"""
 
 
 @pytest.fixture(scope="module", params=["2", "3"])
@@ -80,7 +88,33 @@ def test_what_is_read_is_what_the_device_s_file_says(path, sets):
 def test_a_set_names_what_it_cannot_carry(sets):
     text = (sets / "subjects/own_measurements.ssv").read_text(encoding="utf-8")
     assert "forearm_mass_kg" in text
-    assert "girdle.drives" in (sets / "exoskeletons/harmony.ssv").read_text(encoding="utf-8")
+
+
+def test_a_device_s_set_gives_every_parameter_of_the_device(sets, archive):
+    description = fmpy.read_model_description(archive, validate=False).modelVariables
+    names = {v.name for v in description if v.causality == "parameter" and v.name.startswith("exo.")}
+    for path in DEVICES:
+        assert set(ssv.read(sets / f"exoskeletons/{path.stem}.ssv")) == names
+
+
+def test_figures_of_a_device_s_file_are_those_of_its_parameters():
+    values = device_parameters(parse_device(MINE, Path("mine.yaml")))
+    expected = {
+        "exo.girdleOrder": 2, "exo.girdleDrives": 2, "exo.girdleLink": 0.16, "exo.baseFollowsGirdle": True,
+        "exo.minSingularity": np.deg2rad(12.0), "exo.lower[1]": -0.2, "exo.upper[1]": 0.3, "exo.lower[4]": np.deg2rad(10.0),
+        "exo.upper[4]": np.deg2rad(130.0), "exo.lower[6]": -NO_RANGE_RAD, "exo.upper[6]": NO_RANGE_RAD,
+        "exo.base[1]": np.deg2rad(20.0),
+    }  # fmt: skip
+    assert {name: values[name] for name in expected} == expected
+
+
+@pytest.mark.parametrize("drives", ["Full", "NoLength", "VerticalOnly", "NoDrives"])
+def test_drives_have_the_numbers_of_the_core(drives):
+    device = parse_device(
+        f"name: d\nshoulder: {{a12_deg: 90, a23_deg: 90}}\ngirdle: {{drives: {drives}}}\n", Path("d.yaml")
+    )
+    assert device_parameters(device)["exo.girdleDrives"] == getattr(_core.GirdleDrives, drives).value
+    assert _core.NO_EXO_LIMIT_RAD == NO_RANGE_RAD
 
 
 def simulate(archive, values):
@@ -104,10 +138,8 @@ def test_applied_sets_change_the_result_as_they_do_in_the_core(person, device, s
         if name is not None:
             values |= ssv.read(sets / folder / f"{name}.ssv")
     time_s, found = simulate(archive, values)
-    generator = make_generator(reach, fmu_exo(load_device(device), subject) if device else None)
-    generator.command(0.0, np.array(target))
-    core = generator.sample(time_s)
-    assert np.abs(found - np.column_stack([core["q_rad"][:, 0], core["exo_q_rad"]])).max() <= 1e-12
+    core = core_samples(reach, time_s, load_device(device) if device else None)
+    assert np.array_equal(found, np.column_stack([core["q_rad"][:, 0], core["exo_q_rad"], core["exo_residual_m"]]))
     assert np.abs(found - plain).max() > 1e-2
 
 

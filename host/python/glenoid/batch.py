@@ -12,12 +12,16 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from glenoid import _core
+from glenoid.devices import Device
+from glenoid.exo import core_exo, follow
 from glenoid.inputs import InputError, ReachInput, Vector3, Vector4, explain
 from glenoid.reach import Array
 from glenoid.settings import core_limits, core_prior, core_rhythm, core_subject, mirrored_if_left, with_axial_factor
 
 SAMPLES = 101
 ANSWER_KEYS = ("q", "shoulder", "elbow", "wrist", "swivel", "energy", "iterations", "solve_us")
+#: only with a device: joints, rad (rows of exo.q), residual, m, distances to the edge of reach and to singular, rad
+EXO_KEYS = ("exo_q", "exo_residual", "exo_margin", "exo_singularity", "exo_worst")
 
 
 class TaskSubject(BaseModel):
@@ -63,8 +67,10 @@ def read_tasks(path: Path) -> list[Any]:
 class BatchPlanner:
     """Plans tasks with common settings; the core's right-arm models see a left arm's task mirrored."""
 
-    def __init__(self, common: ReachInput) -> None:
+    def __init__(self, common: ReachInput, device: Device | None = None) -> None:
         self.common = common
+        self.device = device
+        self.exo = core_exo(device, common.subject) if device is not None else None
         self.planner = _core.ReachPlanner()
 
     def own_side(self, points_m: Any) -> Array:
@@ -117,32 +123,62 @@ class BatchPlanner:
         status, plan = self.plan(task, arm)
         solve_us = (time.perf_counter_ns() - begin_ns) / 1e3
         if status != _core.Status.Ok:
-            return refusal(task.id, status.name)
+            return self.refusal(task.id, status.name)
         lambdas = np.linspace(0.0, 1.0, SAMPLES)
         q, _, _ = plan.path.angles(lambdas, np.array(task.q0))
         shoulder, elbow, wrist = (rows.tolist() for rows in self.points(task, arm, plan.path, lambdas))
         swivel = _core.swivel_angle(_core.forward_kinematics(arm, plan.path.posture(1.0)))
         values = (q.tolist(), shoulder, elbow, wrist, swivel, plan.path.energy_kg_m2, plan.certificate.iterations)
-        return {"id": task.id, "status": "ok"} | dict(zip(ANSWER_KEYS, (*values, solve_us), strict=True))
+        out = {"id": task.id, "status": "ok"} | dict(zip(ANSWER_KEYS, (*values, solve_us), strict=True))
+        return out | self.exo_answer(task, arm, plan.path, lambdas)
+
+    def exo_answer(self, task: Task, arm: _core.ArmModel, path: _core.GeodesicPath, lambdas: Array) -> dict[str, Any]:
+        """How the device follows the arm's path, if there is one; the joints are null where it cannot.
+
+        A measured shoulder path gives no rhythm for the girdle to follow: its exo_status is Unsupported.
+        """
+        if self.device is None or self.exo is None:
+            return {}
+        nothing = dict.fromkeys(EXO_KEYS)
+        if task.gh_path_m is not None:
+            return {"exo_status": "Unsupported"} | nothing
+        motion = follow(self.device, self.exo, arm, path, np.array(task.q0), lambdas)
+        if motion.status not in (_core.Status.Ok, _core.Status.ExoInfeasible):
+            return {"exo_status": motion.status.name} | nothing
+        shoulder = path.points(arm, lambdas)[0]
+        misalignment = np.linalg.norm(shoulder - shoulder[0], axis=1)
+        worst = motion.summary({"exo_residual_m": motion.residual_m, "misalignment_m": misalignment})
+        refused = motion.status == _core.Status.ExoInfeasible
+        worst |= {"refusal": motion.check.refusal.name if refused else None}
+        if refused:
+            return {"exo_status": motion.status.name} | nothing | {"exo_worst": worst}
+        arrays = (motion.q_rad, motion.residual_m, motion.margin_rad, motion.singularity_rad)
+        values = (*(rows.tolist() for rows in arrays), worst)
+        return {"exo_status": "ok"} | dict(zip(EXO_KEYS, values, strict=True))
+
+    def refusal(self, task_id: Any, status: str, message: str = "") -> dict[str, Any]:
+        """The answer to a task without a motion."""
+        out = {"id": task_id, "status": status} | dict.fromkeys(ANSWER_KEYS)
+        out |= dict.fromkeys(("exo_status", *EXO_KEYS)) if self.device is not None else {}
+        return out | {"message": message} if message else out
 
 
-def refusal(task_id: Any, status: str, message: str = "") -> dict[str, Any]:
-    """The answer to a task without a motion."""
-    out = {"id": task_id, "status": status} | dict.fromkeys(ANSWER_KEYS)
-    return out | {"message": message} if message else out
+def run_batch(tasks: list[Any], common: ReachInput, device: Device | None = None) -> list[dict[str, Any]]:
+    """One answer per task, in order; a bad task is answered with a status and disturbs no other.
 
+    Raises:
+        InputError: the device is a template, for the other arm, or refused by the core.
 
-def run_batch(tasks: list[Any], common: ReachInput) -> list[dict[str, Any]]:
-    """One answer per task, in order; a bad task is answered with a status and disturbs no other."""
-    planner = BatchPlanner(common)
+    """
+    planner = BatchPlanner(common, device)
     answers = []
     for index, data in enumerate(tasks):
         name = data.get("id", index) if isinstance(data, dict) else index
         try:
             task = Task.model_validate(data)
-            answers.append(planner.answer(task) if task.is_finite() else refusal(name, "NotFinite"))
+            answers.append(planner.answer(task) if task.is_finite() else planner.refusal(name, "NotFinite"))
         except ValidationError as error:
-            answers.append(refusal(name, "InvalidInput", str(explain(error, f"task {name!r}"))))
+            answers.append(planner.refusal(name, "InvalidInput", str(explain(error, f"task {name!r}"))))
         except ValueError as error:
-            answers.append(refusal(name, "InvalidInput", f"task {name!r}: {error}"))
+            answers.append(planner.refusal(name, "InvalidInput", f"task {name!r}: {error}"))
     return answers

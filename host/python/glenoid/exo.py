@@ -87,10 +87,17 @@ def coverage(device: Device, subject: SubjectInput, count: int = COVERAGE_SAMPLE
 
 @dataclass(frozen=True)
 class DeviceMotion:
-    """How a device follows one path. Arrays have a row per time of the reach."""
+    """How a device follows one path. Arrays have a row per value of the path parameter.
+
+    status: Ok; ExoInfeasible, and the joints are then those of the edge of reach, and `check` says where and by how much;
+    or another one if the path is no motion.
+    """
 
     device: Device
     settings: _core.ExoSettings
+    status: _core.Status
+    q_rad: Array
+    residual_m: Array
     margin_rad: Array
     singularity_rad: Array
     check: _core.ExoPathCheck
@@ -113,14 +120,19 @@ class DeviceMotion:
 
 
 def follow(
-    device: Device, settings: _core.ExoSettings, generator: _core.MotionGenerator, start_rad: Array, progress: Array
+    device: Device,
+    settings: _core.ExoSettings,
+    arm: _core.ArmModel,
+    path: _core.GeodesicPath,
+    start_rad: Array,
+    progress: Array,
 ) -> DeviceMotion:
-    """The device along the generator's path, at values of its parameter; the arm starts at rest in start_rad."""
-    rhythm, path = generator.arm.rhythm, generator.path
+    """The device along a path, at values of its parameter; the arm starts at rest in start_rad."""
     posture = _core.posture_from_angles(start_rad)
-    centre = rhythm.position(posture.R_TU[:, 2])
+    centre = arm.rhythm.position(posture.R_TU[:, 2])
     model = model_of(device, settings, centre)
     _, start = _core.choose_branch(model, posture, centre)
-    _, check = _core.check_path(model, path, rhythm, start, False)
-    found = _core.map_path(model, path, rhythm, check.guide, progress)
-    return DeviceMotion(device, settings, found["margin_rad"], found["singularity_rad"], check)
+    status, check = _core.check_path(model, path, arm.rhythm, start, False)
+    found = _core.map_path(model, path, arm.rhythm, check.guide, progress)
+    rows = (found[name] for name in ("q_rad", "residual_m", "margin_rad", "singularity_rad"))
+    return DeviceMotion(device, settings, status, *rows, check)

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from glenoid.device_geometry import geometry
 from glenoid.devices import Device
-from glenoid.inputs import InputError, SubjectInput
+from glenoid.inputs import SubjectInput
 
 GIRDLE_ORDER = {"ProtractionFirst": 1, "ElevationFirst": 2}
+#: items of the FMU; a device's file calls the last one NoDrives
+GIRDLE_DRIVES = {"Full": 1, "NoLength": 2, "VerticalOnly": 3, "None": 4}
+#: a range that begins or ends here is none, rad; as kNoExoLimit of the core
+NO_RANGE_RAD = 1e9
 LENGTHS = {
     "subject.upperArmLength": "upper_arm_length_m",
     "subject.forearmLength": "forearm_length_m",
@@ -41,24 +47,18 @@ def subject_lacks(subject: SubjectInput) -> list[str]:
 
 
 def device_parameters(device: Device) -> dict[str, Any]:
-    """Every exo.* parameter. InputError for a template or a base that the girdle turns, which the FMU does not know."""
+    """Every exo.* parameter. InputError for a template."""
     figures, girdle = geometry(device), device.data.girdle
-    if girdle.base_follows:
-        raise InputError(
-            f"{device.path}: girdle.base_follows = true: the FMU has no such parameter; use `glenoid plan`"
-        )
     values: dict[str, Any] = {}
     for number, axis in enumerate(figures.axes, start=1):
         values |= numbered(f"exo.axis{number}", axis)
     values |= numbered("exo.base", figures.base_rad) | numbered("exo.cuff", figures.cuff_rad)
-    return values | {"exo.girdleOrder": GIRDLE_ORDER[girdle.order]}
-
-
-def device_lacks(device: Device) -> list[str]:
-    """Given figures that the FMU has no parameter for."""
-    data = device.data
-    lacks = [] if data.girdle.drives == "Full" else ["girdle.drives"]
-    lacks += ["girdle.link_m"] if data.girdle.link_m else []
-    lacks += ["shoulder.min_singularity_deg"] if data.shoulder.min_singularity_deg else []
-    ranges = [name for name, joint in data.joints if joint.range_deg is not None or joint.range_rad is not None]
-    return lacks + [f"joints.{name}.range" for name in ranges]
+    values |= {
+        "exo.girdleOrder": GIRDLE_ORDER[girdle.order],
+        "exo.girdleDrives": GIRDLE_DRIVES["None" if girdle.drives == "NoDrives" else girdle.drives],
+        "exo.girdleLink": girdle.link_m,
+        "exo.baseFollowsGirdle": girdle.base_follows,
+        "exo.minSingularity": float(np.deg2rad(device.data.shoulder.min_singularity_deg)),
+    }
+    values |= numbered("exo.lower", np.maximum(figures.lower_rad, -NO_RANGE_RAD))
+    return values | numbered("exo.upper", np.minimum(figures.upper_rad, NO_RANGE_RAD))

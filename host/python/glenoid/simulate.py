@@ -10,9 +10,10 @@ import fmpy
 import numpy as np
 
 from glenoid import _core
+from glenoid.device_geometry import require_side
 from glenoid.devices import Device
 from glenoid.exo import core_exo
-from glenoid.inputs import InputError, ReachInput, SubjectInput
+from glenoid.inputs import InputError, ReachInput
 from glenoid.parameters import device_parameters, numbered, subject_lacks, subject_parameters
 from glenoid.reach import Array
 from glenoid.settings import make_generator, mirrored_if_left
@@ -35,18 +36,20 @@ SCALARS = {
     "progress": "progress",
     "energy_kg_m2": "energy",
     "misalignment_m": "misalignment",
+    "exo_residual_m": "exo.residual",
     "status": "status",
 }
 
 
 @dataclass(frozen=True)
 class Simulation:
-    """What the FMU answered; arrays as in `glenoid.reach.Reach`, on the grid of the steps."""
+    """What the FMU answered; arrays as in `glenoid.reach.Reach`, on the grid of the steps. `messages`: what it said."""
 
     fmu: Path
     fmi_version: str
     time_s: Array
     samples: dict[str, Array]
+    messages: tuple[str, ...]
 
     @property
     def status(self) -> str:
@@ -74,11 +77,18 @@ def refuse_what_the_fmu_lacks(reach: ReachInput) -> None:
         raise InputError(f"subject.{extra[0]}: the FMU has no such parameter; use `glenoid plan`")
     if reach.timing != "MinimumJerkRiemannian":
         raise InputError(f"timing = {reach.timing}: the FMU has MinimumJerkRiemannian only; use `glenoid plan`")
+    if reach.axial_factor != 1.0:
+        raise InputError(f"axial_factor = {reach.axial_factor}: the FMU has 1 only; use `glenoid plan`")
+    for name, fitted in (("rhythm.measured", reach.rhythm.measured), ("swivel.prior", reach.swivel.prior)):
+        if fitted is not None:
+            raise InputError(f"{name}: the FMU has the core's own coefficients only; use `glenoid plan`")
 
 
 def start_values(reach: ReachInput, shift: Array, device: Device | None = None) -> dict[str, Any]:
     """Parameters and inputs of the FMU for a reach."""
     refuse_what_the_fmu_lacks(reach)
+    if device is not None:
+        require_side(device, reach.subject.arm)
     values: dict[str, Any] = {
         "rhythm.model": RHYTHM_NUMBER[reach.rhythm.model],
         "rhythm.gain": reach.rhythm.gain,
@@ -99,8 +109,9 @@ def output_names() -> list[str]:
 
 
 def words_of(message: bytes | str) -> str:
-    """What the FMU said, as text."""
-    return message.decode("utf-8", "replace") if isinstance(message, bytes) else str(message)
+    """What the FMU said, as text. An FMI 2 message is a format, in which a percent sign is written twice."""
+    text = message.decode("utf-8", "replace") if isinstance(message, bytes) else str(message)
+    return text.replace("%%", "%")
 
 
 def simulate(reach: ReachInput, fmu: Path, step_s: float, stop_s: float, device: Device | None = None) -> Simulation:
@@ -139,28 +150,30 @@ def simulate(reach: ReachInput, fmu: Path, step_s: float, stop_s: float, device:
     for point in ("shoulder_m", "elbow_m", "wrist_m"):
         samples[point] = samples[point] + shift
     version = fmpy.read_model_description(str(fmu), validate=False).fmiVersion
-    return Simulation(fmu, version, np.array(result["time"], dtype=float), samples)
+    return Simulation(fmu, version, np.array(result["time"], dtype=float), samples, tuple(messages))
 
 
-def fmu_exo(device: Device | None, subject: SubjectInput) -> _core.ExoSettings | None:
-    """The device as far as the FMU has parameters for it."""
-    if device is None:
-        return None
-    known, full = _core.ExoSettings(), core_exo(device, subject)
-    for name in ("axes", "base_rad", "cuff_rad", "girdle_order"):
-        setattr(known, name, getattr(full, name))
-    return known
+def core_samples(reach: ReachInput, time_s: Array, device: Device | None = None) -> dict[str, Array]:
+    """What the core gives for the FMU's inputs at the times of FMPy's rows, as `Simulation.samples`.
+
+    The first row is before the first step, so before the command. FMPy names the next point of its grid; the FMU adds a step
+    to the last one, which may be another number.
+    """
+    generator = make_generator(reach, core_exo(device, reach.subject) if device is not None else None)
+    first = generator.sample(time_s[:1])
+    generator.command(float(time_s[0]), np.array(reach.target_m))
+    steps = generator.sample(time_s[:-1] + np.diff(time_s))
+    return {name: np.concatenate([first[name], steps[name]]) for name in first}
 
 
 def difference_from_core(reach: ReachInput, simulation: Simulation, device: Device | None = None) -> float:
-    """Largest difference in q and exo.q between the FMU and the core with the FMU's own inputs, rad; 0 is expected.
+    """Largest difference in q, exo.q and exo.residual between the FMU and the core with the FMU's own inputs, rad or m.
 
-    Up to the last bit: the FMU sees the reach moved by `shoulder_shift`, and so does the core here.
+    0 is expected: the FMU sees the reach moved by `shoulder_shift`, and so does the core here.
     """
     moved = np.array(reach.target_m) - shoulder_shift(reach)
     target = (float(moved[0]), float(moved[1]), float(moved[2]))
     same = reach.model_copy(update={"start_shoulder_m": None, "target_m": target})
-    generator = make_generator(same, fmu_exo(device, reach.subject))
-    generator.command(0.0, np.array(same.target_m))
-    core = generator.sample(simulation.time_s)
-    return max(float(np.abs(core[name] - simulation.samples[name]).max()) for name in ("q_rad", "exo_q_rad"))
+    core = core_samples(same, simulation.time_s, device)
+    names = ("q_rad", "exo_q_rad", "exo_residual_m")
+    return max(float(np.abs(core[name] - simulation.samples[name]).max()) for name in names)

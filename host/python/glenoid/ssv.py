@@ -13,14 +13,27 @@ from typing import Any
 
 from glenoid.devices import Device, load_device
 from glenoid.inputs import SubjectInput, load_subject
-from glenoid.parameters import GIRDLE_ORDER, device_lacks, device_parameters, subject_lacks, subject_parameters
+from glenoid.parameters import (
+    GIRDLE_DRIVES,
+    GIRDLE_ORDER,
+    NO_RANGE_RAD,
+    device_parameters,
+    subject_lacks,
+    subject_parameters,
+)
 
 SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 BASE_UNITS: dict[str, dict[str, str]] = {"m": {"m": "1"}, "kg": {"kg": "1"}, "rad": {"rad": "1"}, "1": {}}
-ENUMERATIONS = {"GirdleOrder": GIRDLE_ORDER}
-ENUMERATION_OF = {"exo.girdleOrder": "GirdleOrder"}
-LENGTHS = ("subject.stature", "subject.upperArmLength", "subject.forearmLength", "subject.shoulderDistance")
+ENUMERATIONS = {"GirdleOrder": GIRDLE_ORDER, "GirdleDrives": GIRDLE_DRIVES}
+ENUMERATION_OF = {"exo.girdleOrder": "GirdleOrder", "exo.girdleDrives": "GirdleDrives"}
+LENGTHS = (
+    "subject.stature",
+    "subject.upperArmLength",
+    "subject.forearmLength",
+    "subject.shoulderDistance",
+    "exo.girdleLink",
+)
 
 
 def unit_of(name: str) -> str:
@@ -79,7 +92,7 @@ def subject_set(subject: SubjectInput) -> bytes:
 
 def device_set(device: Device) -> bytes:
     """Parameter set of a complete device. InputError for a template."""
-    text = f"Shoulder axes, mounts and girdle order.{not_in_the_fmu(device_lacks(device))}"
+    text = f"Complete: axes, mounts, girdle and joint ranges; a joint without a range has {NO_RANGE_RAD:g} rad."
     return document(device.data.name, device_parameters(device), text)
 
 

@@ -71,7 +71,7 @@ def plan(
         ),
     )
     if batch is not None:
-        plan_batch(batch, given, check or csv is not None or plot is not None or exo is not None)
+        plan_batch(batch, given, exo, check or csv is not None or plot is not None)
         return
     planned, motion = plan_with_device(given, rate_hz, exo)
     verification = verify(planned) if check and planned.ok else None
@@ -85,11 +85,11 @@ def plan(
         raise typer.Exit(1)
 
 
-def plan_batch(tasks: Path, common: ReachInput, single_only: bool) -> None:
+def plan_batch(tasks: Path, common: ReachInput, exo: str | None, single_only: bool) -> None:
     """Prints the answers to a list of tasks; refused tasks carry their status and are no error of the command."""
     if single_only:
-        raise InputError("--batch: --verify, --csv, --plot and --exo are for a single reach")
-    print(to_text(run_batch(read_tasks(tasks), common)))
+        raise InputError("--batch: --verify, --csv and --plot are for a single reach")
+    print(to_text(run_batch(read_tasks(tasks), common, load_device(exo) if exo is not None else None)))
 
 
 def plan_with_device(given: ReachInput, rate_hz: float, exo: str | None) -> tuple[Reach, DeviceMotion | None]:
@@ -101,7 +101,8 @@ def plan_with_device(given: ReachInput, rate_hz: float, exo: str | None) -> tupl
     planned = plan_reach(given, rate_hz, settings)
     if not planned.ok:
         return planned, None
-    motion = follow(device, settings, planned.generator, np.array(given.start_rad), planned.samples["progress"])
+    arm, path = planned.generator.arm, planned.generator.path
+    motion = follow(device, settings, arm, path, np.array(given.start_rad), planned.samples["progress"])
     extra = {"exo_margin_rad": motion.margin_rad, "exo_singularity_rad": motion.singularity_rad}
     return replace(planned, samples=planned.samples | extra), motion
 

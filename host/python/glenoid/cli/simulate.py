@@ -6,25 +6,21 @@ import sys
 from dataclasses import replace
 from typing import Annotated, Literal
 
-import numpy as np
 import typer
 from rich.console import Console
 
 from glenoid.cli import options as opt
 from glenoid.cli.plan import plan_with_device, write_outputs
-from glenoid.devices import Device, load_device
-from glenoid.findings import describe_refusal
+from glenoid.devices import load_device
+from glenoid.exo import DeviceMotion
 from glenoid.fmus import fmu_path, sha256
-from glenoid.inputs import InputError
-from glenoid.parameters import device_lacks
-from glenoid.reach import REFUSALS, Array, Reach
+from glenoid.inputs import InputError, ReachInput
+from glenoid.reach import REFUSALS, Reach
 from glenoid.report import degrees, metres, two_columns
 from glenoid.simulate import Simulation, difference_from_core
 from glenoid.simulate import simulate as run_fmu
 from glenoid.tables import device_columns, motion_columns, to_text, write_csv
 
-#: above rounding, below anything that a drive can show
-SAME_JOINTS_RAD = 1e-6
 NAMES = (
     "q_rad",
     "dq_rad_per_s",
@@ -36,6 +32,7 @@ NAMES = (
     "progress",
     "exo_q_rad",
     "exo_dq_rad_per_s",
+    "exo_residual_m",
 )
 
 
@@ -79,10 +76,6 @@ def simulate(
     )
     given = opt.assemble(reach, subject, limits, options)
     device = load_device(exo) if exo is not None else None
-    planned, motion = plan_with_device(given, 100.0, exo)
-    if planned.status == "ExoInfeasible":
-        print(f"glenoid: REFUSED  {describe_refusal(planned)}", file=sys.stderr)
-        raise typer.Exit(1)
     done = run_fmu(given, fmu_path(fmi), step_s, stop_s if stop_s is not None else given.duration_s + 0.2, device)
     difference = difference_from_core(given, done, device)
     if csv is not None:
@@ -92,42 +85,21 @@ def simulate(
         except OSError as error:
             raise InputError(f"{csv}: {error.strerror}") from error
     if plot is not None and done.status not in REFUSALS:
-        samples = done.samples | {"exo_residual_m": residual_at(planned, done)}
-        write_outputs(replace(planned, time_s=done.time_s, samples=samples), None, plot, motion)
+        planned, motion = with_plan(given, exo, done)
+        write_outputs(planned, None, plot, motion)
     if as_json:
-        more = (
-            {"largest_difference_from_device_rad": difference_from_device(planned, done)} if device is not None else {}
-        )
-        print(to_text(simulation_to_json(done, difference) | more))
+        print(to_text(simulation_to_json(done, difference)))
     else:
         print_simulation(done, difference)
-        print_what_the_fmu_lacks(device, difference_from_device(planned, done))
     if done.status in REFUSALS:
+        print("\n".join(f"glenoid: REFUSED  {text}" for text in done.messages), file=sys.stderr)
         raise typer.Exit(1)
 
 
-def residual_at(planned: Reach, done: Simulation) -> Array:
-    """What the girdle drives leave, m, at the times of the simulation; the FMU does not know the drives."""
-    return np.interp(done.time_s, planned.time_s, planned.samples["exo_residual_m"])
-
-
-def difference_from_device(planned: Reach, done: Simulation) -> float:
-    """Largest difference between the FMU's joints and those of the whole device, rad: what the FMU lacks matters then."""
-    whole = planned.generator.sample(done.time_s)["exo_q_rad"]
-    return float(np.abs(whole - done.samples["exo_q_rad"]).max())
-
-
-def print_what_the_fmu_lacks(device: Device | None, difference_rad: float) -> None:
-    """Figures of the device that were checked before the run but are no parameters of the FMU."""
-    if device is None or not (lacks := device_lacks(device)):
-        return
-    text = f"NOTE  checked by the core before the run, not in the FMU: {', '.join(lacks)}"
-    if difference_rad > SAME_JOINTS_RAD:
-        text += (
-            f"\n[bold yellow]WARNING[/bold yellow]  without them the FMU's joints are up to {np.rad2deg(difference_rad):.1f} "
-            "deg from those of `glenoid plan`: another assembly of the shoulder axes, or other girdle drives"
-        )
-    Console().print(text, highlight=False, soft_wrap=True)
+def with_plan(given: ReachInput, exo: str | None, done: Simulation) -> tuple[Reach, DeviceMotion | None]:
+    """The plan with its family and device, as the pictures want it, over the FMU's own motion."""
+    planned, motion = plan_with_device(given, 100.0, exo)
+    return replace(planned, time_s=done.time_s, samples=done.samples), motion
 
 
 def simulation_to_json(done: Simulation, difference_rad: float) -> dict[str, object]:
