@@ -2,7 +2,7 @@
 .PHONY: help demo test build check format clean
 
 help:
-	@echo "make demo    install what is missing, build, plan a measured reach, run the FMU, draw build/demo/reach.png"
+	@echo "make demo    install what is missing, build, plan a measured reach, run the FMU, draw it, rehearse"
 	@echo "make test    install what is missing, build, run every test and check"
 	@echo "make build   the FMUs, the Python module, the tests"
 	@echo "make check   formatting, lint and types, without repairing"
@@ -10,7 +10,7 @@ help:
 
 demo:
 	@bash cmake/setup.sh
-	@bash cmake/build.sh release glenoid_fmu_archives glenoid_python_stub
+	@bash cmake/build.sh release glenoid_fmu_archives glenoid_python_stub glenoid_lcm_python glenoid-bridge glenoid-drives
 	@build/venv/bin/glenoid demo
 
 test:

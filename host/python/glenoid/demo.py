@@ -1,4 +1,4 @@
-"""The main job end to end: a measured reach, planned by the core, run as FMUs, compared and drawn."""
+"""The main job end to end: a measured reach, planned by the core, run as FMUs, compared, drawn; a reach rehearsed."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from glenoid.fmus import FILES, fmu_path
 from glenoid.inputs import ReachInput, load_reach
 from glenoid.plot import draw_reach
 from glenoid.reach import Reach, plan_reach, verify
+from glenoid.rehearse.console import run_demo_rehearsal
 from glenoid.report import print_reach
 from glenoid.simulate import difference_from_core, simulate
 
@@ -68,4 +69,6 @@ def run_demo(console: Console, picture: Path, example: Path = EXAMPLE) -> bool:
     picture.parent.mkdir(parents=True, exist_ok=True)
     draw_reach(reach, picture)
     console.print(f"  {picture.absolute()}", highlight=False, soft_wrap=True)
-    return agree and verification.passed
+    console.rule("5. A reach through FMU, bridge, bus and six drives")
+    rehearsed = run_demo_rehearsal(console, picture.parent / "rehearsal")
+    return agree and verification.passed and rehearsed

@@ -1,5 +1,6 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
 #include <filesystem>
@@ -95,8 +96,8 @@ void bind_config(nb::module_& module) {
       .def_prop_ro("hold_after_ns", [](const bridge::Config& c) { return c.settings.hold_after_ns; })
       .def_prop_ro("quick_stop_after_ns", [](const bridge::Config& c) { return c.settings.quick_stop_after_ns; })
       .def_prop_ro("disarm_after_ns", [](const bridge::Config& c) { return c.settings.disarm_after_ns; })
-      .def_prop_ro("joints", &joints_of, nb::sig("def joints(self) -> list[dict[str, Any]]"))
-      .def_prop_ro("buses", &buses_of, nb::sig("def buses(self) -> list[dict[str, Any]]"));
+      .def_prop_ro("joints", &joints_of, nb::sig("def joints(self) -> list[dict[str, typing.Any]]"))
+      .def_prop_ro("buses", &buses_of, nb::sig("def buses(self) -> list[dict[str, typing.Any]]"));
 }
 
 /// The rig and what its record needs to know.
@@ -335,14 +336,14 @@ void bind_class(nb::module_& module) {
       .def_prop_ro("state", [](const PythonRig& own) { return number(own.rig.bridge().state()); })
       .def_prop_ro("fault", [](const PythonRig& own) { return number(own.rig.bridge().fault()); })
       .def_prop_ro("session", [](const PythonRig& own) { return own.rig.bridge().session(); })
-      .def("cycles", &cycles_of, columns, nb::sig("def cycles(self) -> dict[str, NDArray[Any]]"))
-      .def("feedback", &feedback_of, columns, nb::sig("def feedback(self) -> dict[str, NDArray[Any]]"))
-      .def("setpoints", &setpoints_of, columns, nb::sig("def setpoints(self) -> dict[str, NDArray[Any]]"))
-      .def("commands", &commands_of, columns, nb::sig("def commands(self) -> dict[str, NDArray[Any]]"))
-      .def("frames", &frames_of, columns, nb::sig("def frames(self) -> dict[str, NDArray[Any]]"))
-      .def("events", &events_of, nb::sig("def events(self) -> list[dict[str, Any]]"))
-      .def("statuses", &statuses_of, nb::sig("def statuses(self) -> list[dict[str, Any]]"))
-      .def("drives", &drives_of, nb::sig("def drives(self) -> list[dict[str, Any]]"));
+      .def("cycles", &cycles_of, columns, nb::sig("def cycles(self) -> dict[str, NDArray[typing.Any]]"))
+      .def("feedback", &feedback_of, columns, nb::sig("def feedback(self) -> dict[str, NDArray[typing.Any]]"))
+      .def("setpoints", &setpoints_of, columns, nb::sig("def setpoints(self) -> dict[str, NDArray[typing.Any]]"))
+      .def("commands", &commands_of, columns, nb::sig("def commands(self) -> dict[str, NDArray[typing.Any]]"))
+      .def("frames", &frames_of, columns, nb::sig("def frames(self) -> dict[str, NDArray[typing.Any]]"))
+      .def("events", &events_of, nb::sig("def events(self) -> list[dict[str, typing.Any]]"))
+      .def("statuses", &statuses_of, nb::sig("def statuses(self) -> list[dict[str, typing.Any]]"))
+      .def("drives", &drives_of, nb::sig("def drives(self) -> list[dict[str, typing.Any]]"));
 }
 
 }  // namespace

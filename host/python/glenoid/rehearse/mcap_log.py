@@ -152,4 +152,4 @@ def write_mcap(path: Path, record: Record, scenario: Scenario, motion: Motion) -
         ):
             text = json.dumps(row, allow_nan=False, separators=(",", ":")).encode()
             writer.add_message(channels[name], log_time=time_ns, publish_time=time_ns, data=text, sequence=k)
-        writer.finish()
+        writer.finish()  # type: ignore[no-untyped-call]

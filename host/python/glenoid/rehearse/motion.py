@@ -230,5 +230,5 @@ def girdle_residual(scenario: Scenario, device: Device, motion: Motion) -> Array
         generator.set_duration(movements[k].duration_s)
         generator.command(begin * motion.step_s, np.array(target))
         end = motion.begins[k + 1] if k + 1 < len(motion.begins) else motion.rows
-        out[begin:end] = generator.sample(np.arange(begin, end) * motion.step_s)["exo_residual_m"]
+        out[begin:end] = generator.sample(motion.step_s * np.arange(begin, end).astype(np.float64))["exo_residual_m"]
     return out

@@ -18,7 +18,7 @@ import yaml
 from glenoid.inputs import InputError, read_mapping
 from glenoid.programs import program
 from glenoid.rehearse.motion import Motion
-from glenoid.rehearse.scenario import Scenario
+from glenoid.rehearse.scenario import RealTimeInput, Scenario
 from glenoid.rehearse.virtual import profile_file
 
 #: below the bridge and the drives
@@ -67,12 +67,12 @@ def realtime_source(priority: int) -> Iterator[None]:
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
 
 
-def bridge_configuration(scenario: Scenario, folder: Path) -> Path:
+def bridge_configuration(scenario: Scenario, bus: str, folder: Path) -> Path:
     """The configuration with the bus of the rehearsal in place of its own; its hash is the same."""
     if len(scenario.config.buses) != 1:
         raise InputError(f"{scenario.bridge_file}: {len(scenario.config.buses)} buses: mode real_time takes one")
     data = yaml.safe_load(scenario.bridge_yaml)
-    data["exoskeletons"][scenario.config.name]["buses"][0]["url"] = scenario.data.real_time.bus
+    data["exoskeletons"][scenario.config.name]["buses"][0]["url"] = bus
     path = folder / "bridge.yaml"
     path.write_text(yaml.safe_dump(data, sort_keys=False), encoding="utf-8")
     return path
@@ -91,7 +91,7 @@ def drive_profile(scenario: Scenario, joint: dict[str, Any], folder: Path) -> Pa
     return path
 
 
-def drives_command(scenario: Scenario, motion: Motion, folder: Path, report: Path) -> list[str]:
+def drives_command(scenario: Scenario, motion: Motion, places: RealTimeInput, folder: Path, report: Path) -> list[str]:
     """Command line of the drives, standing where the motion begins."""
     joints = scenario.config.joints
     start = motion.samples["exo_q_rad"][0]
@@ -101,7 +101,7 @@ def drives_command(scenario: Scenario, motion: Motion, folder: Path, report: Pat
     profiles = [f"--profile={joint['node']}={drive_profile(scenario, joint, folder)}" for joint in joints]
     return [
         str(program("glenoid-drives")),
-        f"--bus={scenario.data.real_time.bus}",
+        f"--bus={places.bus}",
         "--nodes=" + ",".join(str(joint["node"]) for joint in joints),
         "--start-rad=" + ",".join(repr(value) for value in own),
         f"--seed={scenario.data.drives.seed}",
@@ -111,16 +111,15 @@ def drives_command(scenario: Scenario, motion: Motion, folder: Path, report: Pat
     ]
 
 
-def bridge_command(scenario: Scenario, folder: Path, frames: Path) -> list[str]:
+def bridge_command(scenario: Scenario, places: RealTimeInput, folder: Path, frames: Path) -> list[str]:
     """Command line of the bridge."""
-    given = scenario.data.real_time
     return [
         str(program("glenoid-bridge")),
-        str(bridge_configuration(scenario, folder)),
+        str(bridge_configuration(scenario, places.bus, folder)),
         f"--exoskeleton={scenario.config.name}",
-        f"--lcm-url={given.lcm_url}",
+        f"--lcm-url={places.lcm_url}",
         f"--log={frames}",
-        f"--priority={given.priority}",
+        f"--priority={places.priority}",
         "--quiet",
     ]
 
@@ -150,7 +149,7 @@ def require_running(process: subprocess.Popen[str], log: Path, name: str) -> Non
 
 
 @contextlib.contextmanager
-def programs(scenario: Scenario, motion: Motion, folder: Path) -> Iterator[Programs]:
+def programs(scenario: Scenario, motion: Motion, places: RealTimeInput, folder: Path) -> Iterator[Programs]:
     """Runs both programs; they have ended when this is left.
 
     Raises:
@@ -159,13 +158,13 @@ def programs(scenario: Scenario, motion: Motion, folder: Path) -> Iterator[Progr
     """
     frames, report = folder / "candump.log", folder / "drives.json"
     drives_log, bridge_log = folder / "drives.txt", folder / "bridge.txt"
-    drives = start(drives_command(scenario, motion, folder, report), drives_log)
+    drives = start(drives_command(scenario, motion, places, folder, report), drives_log)
     try:
         end = time.monotonic() + READY_WAIT_S
         while "ready" not in drives_log.read_text(encoding="utf-8") and time.monotonic() < end:
             require_running(drives, drives_log, "glenoid-drives")
             time.sleep(0.02)
-        bridge = start(bridge_command(scenario, folder, frames), bridge_log)
+        bridge = start(bridge_command(scenario, places, folder, frames), bridge_log)
         try:
             time.sleep(0.1)
             require_running(bridge, bridge_log, "glenoid-bridge")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import socket
 import tempfile
 import threading
 import time
@@ -181,6 +182,13 @@ def refuse_what_needs_virtual_time(scenario: Scenario) -> None:
             raise InputError(f"{scenario.path}: faults.{k}.kind = {fault.kind!r}: only in virtual time")
 
 
+def own_port() -> int:
+    """A UDP port nobody uses now."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("", 0))
+        return int(probe.getsockname()[1])
+
+
 def run_real_time(scenario: Scenario, motion: Motion, tell: Callable[[str, float], None]) -> Record:
     """Start-up, arming, the movements, disarming, with the real programs.
 
@@ -194,7 +202,7 @@ def run_real_time(scenario: Scenario, motion: Motion, tell: Callable[[str, float
 
     """
     refuse_what_needs_virtual_time(scenario)
-    config, given = scenario.config, scenario.data.real_time
+    config, given = scenario.config, scenario.data.real_time.placed(own_port())
     stages: list[str] = []
     sent: list[int] = []
     stream = with_faults(make_stream(motion, config.setpoint_period_ns), scenario.data.faults, scenario.joints)
@@ -203,7 +211,7 @@ def run_real_time(scenario: Scenario, motion: Motion, tell: Callable[[str, float
         folder = Path(name)
         publisher = Publisher(given.lcm_url)
         with Ears(given.lcm_url) as heard:
-            with programs(scenario, motion, folder) as running, SdoMaster(given.bus) as sdo:
+            with programs(scenario, motion, given, folder) as running, SdoMaster(given.bus) as sdo:
                 tell("start-up of the drives", 0.0)
                 try:
                     wait_until_configured(publisher)

@@ -137,12 +137,20 @@ class RealTimeInput(Strict):
     factor: Annotated[float, Field(gt=0.05, le=1.0)] = Field(
         default=1.0, description="clock of the source; 0.5: half as fast"
     )
-    bus: str = Field(default="udp:239.74.163.2", description="in place of the configuration's first bus")
-    lcm_url: str = "udpm://239.255.76.67:7667?ttl=0"
+    bus: str = Field(default="auto", description="in place of the configuration's bus; auto: udp on a port of this run")
+    lcm_url: str = Field(
+        default="auto", description="auto: multicast that stays on this machine, on a port of this run"
+    )
     priority: Annotated[int, Field(ge=0, le=90)] = Field(
         default=80,
         description="SCHED_FIFO of the bridge, where that is permitted; drives and source stay below; 0: ordinary",
     )
+
+    def placed(self, port: int) -> RealTimeInput:
+        """With the places of `auto` filled in: nobody else on this machine hears or disturbs the run."""
+        bus = f"udp:239.74.163.2:{port}" if self.bus == "auto" else self.bus
+        url = f"udpm://239.255.76.67:{port}?ttl=0" if self.lcm_url == "auto" else self.lcm_url
+        return self.model_copy(update={"bus": bus, "lcm_url": url})
 
 
 class FaultInput(Strict):
