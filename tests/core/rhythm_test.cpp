@@ -221,33 +221,6 @@ TEST(Rhythm, SmoothingMovesTheCentreByAtMostSixTenthsOfAMillimetre) {
   EXPECT_GE(largest, 0.5e-3) << "and this is what the documentation says it costs";
 }
 
-// The table of the smoothed curve (R6) against the polynomial as printed, which is evaluated as it stands.
-TEST(Rhythm, SmoothedCentreIsThePrintedOneAtTheSmoothedElevation) {
-  const Rhythm printed = rhythm_with(0.0);
-  for (const double smoothing : {0.01, 0.02, 0.1, 0.3}) {
-    const Rhythm smooth = rhythm_with(smoothing);
-    for (int k = 1; k <= 17900; ++k) {
-      const double theta = 0.01 * k * kDegree, smoothed = theta * std::erf(theta / smoothing);
-      const Vec3 expected = printed.position(direction(smoothed, 0.0));
-      // the cosine of a small angle holds it to 1e-16/angle, and the printed centre moves by 0.03 m/rad there
-      ASSERT_TRUE(near(smooth.position(direction(theta, 0.0)), expected, 2e-15 + 1e-17 / smoothed)) << theta;
-    }
-  }
-}
-
-TEST(Rhythm, DerivativesAreThePrintedOnesBeyondTheSmoothing) {
-  const Rhythm printed = rhythm_with(0.0), smooth = rhythm_with(0.1);
-  for (int k = 6100; k <= 30000; ++k) {
-    const Vec3 z = direction(1e-4 * k, 0.0);
-    RhythmJet a, b;
-    printed.evaluate(z, a);
-    smooth.evaluate(z, b);
-    const double first = a.J_z.cwiseAbs().maxCoeff();
-    ASSERT_TRUE(near(a.J_z, b.J_z, 1e-12 * first)) << 1e-4 * k;
-    for (std::size_t i = 0; i < 3; ++i) ASSERT_TRUE(near(a.H_z[i], b.H_z[i], 1e-10 * first)) << 1e-4 * k;
-  }
-}
-
 TEST(Rhythm, SmoothingEndsAtSixTimesItsWidth) {
   const Rhythm printed = rhythm_with(0.0), smooth = rhythm_with(0.1);
   for (const double theta : {0.601, 0.9, 1.5, 2.6}) {
