@@ -21,7 +21,7 @@ import canopen
 import yaml
 from glenoid.lcm_types import command_v1_t
 from glenoid.programs import program
-from glenoid.publisher import Publisher, now_ns
+from glenoid.publisher import BridgeError, Publisher, now_ns
 
 GROUP, PORT = "239.74.163.2", 43900
 JOINTS = 6
@@ -125,25 +125,34 @@ def stream(source, rate_hz, seconds, started=False):
 def run_bridge(port, rate_hz, seconds, priority):
     """Figures of the bridge: the observer's and its own."""
     drives = start_drives(port, rate_hz)
+    try:
+        return run_bridge_beside(port, rate_hz, seconds, priority)
+    finally:
+        for one in drives:
+            one.kill()
+            one.wait()
+
+
+def run_bridge_beside(port, rate_hz, seconds, priority):
+    """The same with drives that run already. Nothing is left running where the bridge refuses."""
     with tempfile.TemporaryDirectory() as folder:
         config, stats = Path(folder) / "bench.yaml", Path(folder) / "stats.json"
         config.write_text(yaml.safe_dump(configuration(port, rate_hz)))
         url = f"udpm://239.255.76.67:{port + 100}?ttl=0"
         command = [program("glenoid-bridge"), config, "--stats", stats, "--lcm-url", url, "--quiet"]
         bridge = subprocess.Popen([*command, "--priority", str(priority)])
-        source = Publisher(url)
-        source.await_status(10)
-        time.sleep(3.0)
-        source.arm(10)
-        observer = Observer(port, 1.0 / rate_hz, seconds)
-        stream(source, rate_hz, seconds + 0.5)
-        state = source.state
-        bridge.terminate()
-        bridge.wait()
+        try:
+            source = Publisher(url)
+            source.await_status(10)
+            time.sleep(3.0)
+            source.arm(10)
+            observer = Observer(port, 1.0 / rate_hz, seconds)
+            stream(source, rate_hz, seconds + 0.5)
+            state = source.state
+        finally:
+            bridge.terminate()
+            bridge.wait()
         own = json.loads(stats.read_text())
-    for one in drives:
-        one.terminate()
-        one.wait()
     share = 1e-6 * own["cycle_cpu_us"]["p50"] * rate_hz
     return {"state_at_the_end": state, "cpu_share_median": share, "own": own} | observer.figures()
 
@@ -198,6 +207,8 @@ def main():
                         figures = run_bridge(port, rate_hz, options.seconds, priority)
                     else:
                         figures = run_canopen(port, rate_hz, options.seconds)
+                except BridgeError as error:
+                    figures = {"refused": str(error)}
                 finally:
                     for one in burners:
                         one.kill()
