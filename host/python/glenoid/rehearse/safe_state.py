@@ -5,17 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from glenoid.rehearse.checks import REST_RAD_PER_S, Evidence, Finding
-from glenoid.rehearse.record import STATE_NUMBER, Record
+from glenoid.rehearse.record import Record
 from glenoid.rehearse.scenario import FAULTS
-
-
-def seen_ns(record: Record, state: str, since_ns: int) -> int | None:
-    """When the bridge was first in a state, ns; None: never."""
-    if record.truth is not None:
-        truth = record.truth
-        found = np.flatnonzero((truth["time_ns"] >= since_ns) & (truth["state"] == STATE_NUMBER[state]))
-        return int(truth["time_ns"][found[0]]) if found.size else None
-    return record.first_status(state, since_ns)
 
 
 def last_ns(times_ns: np.ndarray, bad: np.ndarray, since_ns: int) -> int | None:
@@ -29,17 +20,17 @@ def last_ns(times_ns: np.ndarray, bad: np.ndarray, since_ns: int) -> int | None:
     return int(times_ns[wrong[-1] + 1]) if wrong[-1] + 1 < len(times_ns) else None
 
 
-def at_rest_ns(record: Record, since_ns: int) -> int | None:
+def at_rest_ns(record: Record, phase_ns: int, since_ns: int) -> int | None:
     """From when on every joint rests: truly in virtual time, else by the feedback."""
     source = record.truth if record.truth is not None else record.feedback
     moving = np.abs(source["velocity_rad_per_s"]).max(axis=1) > REST_RAD_PER_S
-    return last_ns(source["time_ns"], moving, since_ns)
+    return last_ns(source["time_ns"] + phase_ns, moving, since_ns)
 
 
-def unpowered_ns(record: Record, since_ns: int) -> int | None:
+def unpowered_ns(record: Record, phase_ns: int, since_ns: int) -> int | None:
     """From when on no drive is powered: truly in virtual time, else as the statuswords say."""
     if record.truth is not None:
-        return last_ns(record.truth["time_ns"], record.truth["powered_mask"] != 0, since_ns)
+        return last_ns(record.truth["time_ns"] + phase_ns, record.truth["powered_mask"] != 0, since_ns)
     words = record.feedback["statusword"]
     powered = ((words & 0x6F) == 0x27) | ((words & 0x6F) == 0x07)
     return last_ns(record.feedback["time_ns"], powered.any(axis=1), since_ns)
@@ -51,7 +42,8 @@ def judge_safe_state(e: Evidence) -> list[Finding]:
     if expect is None or since is None:
         return []
     record = e.record
-    at = seen_ns(record, expect.state, since)
+    at = record.first_status(expect.state, since)  # told at every change
+    phase_ns = int(e.scenario.config.rpdo_phase * e.scenario.config.period_ns)  # of a cycle, when it is noted
     latched = FAULTS[record.fault]
     right = at is not None and latched in expect.faults and record.state == expect.state
     ms = None if at is None else 1e-6 * (at - since)
@@ -59,8 +51,8 @@ def judge_safe_state(e: Evidence) -> list[Finding]:
     passed = right and ms is not None and ms <= expect.within_ms
     findings = [Finding("safe_state", "error", ms, expect.within_ms, "ms", passed, text)]
     for name, limit, instant in (
-        ("at_rest", expect.at_rest_within_ms, at_rest_ns(record, since)),
-        ("unpowered", expect.unpowered_within_ms, unpowered_ns(record, since)),
+        ("at_rest", expect.at_rest_within_ms, at_rest_ns(record, phase_ns, since)),
+        ("unpowered", expect.unpowered_within_ms, unpowered_ns(record, phase_ns, since)),
     ):
         if limit is None:
             continue

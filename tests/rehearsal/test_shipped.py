@@ -1,0 +1,87 @@
+"""Every shipped rehearsal does what it states."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from glenoid.rehearse.checks import REST_RAD_PER_S, gather, judge_all, verdict
+from glenoid.rehearse.motion import run_source
+from glenoid.rehearse.scenario import FAULTS, load_scenario
+from glenoid.rehearse.virtual import run_virtual
+
+FOLDER = Path(__file__).resolve().parents[2] / "host/rehearsals"
+VIRTUAL = [path for path in sorted(FOLDER.glob("*.yaml")) if "real_time" not in path.stem]
+MUST_FAIL = {"too_fast"}
+RPDO, ENABLE = 0x200, 0x0F
+CLASSES = {
+    "stream_stop",
+    "stream_nan",
+    "stream_jump",
+    "estop",
+    "drive_emcy",
+    "drive_vanish",
+    "drive_reboot",
+    "drive_stuck_encoder",
+    "drive_heartbeat_lost",
+    "bus_silent",
+    "stream_wrong_token",
+    "stream_second_publisher",
+}
+
+
+@pytest.fixture(scope="module", params=VIRTUAL, ids=lambda path: path.stem)
+def done(request):
+    """A shipped scenario, run."""
+    scenario = load_scenario(request.param)
+    motion = run_source(scenario, 1e-9 * scenario.config.setpoint_period_ns)
+    return request.param.stem, gather(scenario, motion, run_virtual(scenario, motion))
+
+
+def test_verdict_is_the_one_the_file_states(done):
+    name, e = done
+    findings = judge_all(e)
+    told = [f"{f.name}: {f.value} {f.text}" for f in findings if f.outcome == "FAIL"]
+    assert verdict(findings) == ("FAIL" if name in MUST_FAIL else "PASS"), told
+
+
+def test_faults_end_in_the_stated_safe_state_in_the_stated_time(done):
+    """The same from the raw record: not through the code that judges."""
+    _, e = done
+    expect, record = e.scenario.data.expect, e.record
+    if expect is None:
+        assert not e.scenario.data.faults, "a rehearsal with faults states what they lead to"
+        return
+    truth = record.truth
+    since = record.origin_ns + round(1e9 * min(fault.at_s for fault in e.scenario.data.faults))
+    assert record.state == expect.state
+    assert FAULTS[record.fault] in expect.faults
+    first = next(event for event in record.events if event["severity"] == 2 and event["code"] == record.fault)
+    assert 0 <= first["time_ns"] - since <= 1e6 * expect.within_ms
+    print(f"{e.scenario.data.name}: {record.state}, {FAULTS[record.fault]}, {1e-6 * (first['time_ns'] - since):.1f} ms")
+    before = truth["time_ns"] < since
+    assert (np.abs(truth["velocity_rad_per_s"][before][-1]) > REST_RAD_PER_S).any(), "the arm moved when it happened"
+    for limit, bad in (
+        (expect.at_rest_within_ms, (np.abs(truth["velocity_rad_per_s"]) > REST_RAD_PER_S).any(axis=1)),
+        (expect.unpowered_within_ms, truth["powered_mask"] != 0),
+    ):
+        if limit is not None:
+            after = truth["time_ns"] > since + 1e6 * limit
+            assert after.any()
+            assert not bad[after].any()
+
+
+def test_no_drive_is_told_to_go_on_after_the_stop(done):
+    _, e = done
+    record = e.record
+    if record.fault == 0:
+        return
+    stop_ns = next(event["time_ns"] for event in record.events if event["code"] == record.fault)
+    frames = record.frames
+    rpdo = ((frames["id"] & ~np.uint32(0x7F)) == RPDO) & (frames["time_ns"] > stop_ns)
+    assert not ((frames["data"][rpdo, 0] & ENABLE) == ENABLE).any()
+
+
+def test_every_class_of_faults_has_its_rehearsal():
+    kinds = {fault["kind"] for path in VIRTUAL for fault in yaml.safe_load(path.read_text()).get("faults", [])}
+    assert kinds >= CLASSES
