@@ -15,6 +15,7 @@ LONG_FILES: dict[str, str] = {
     "tests/core/exo_motion_test.cpp": "laws of the device along whole motions, one a test",
     "tests/core/exoskeleton_test.cpp": "laws of the transformation and of the girdle, one a test",
     "tests/core/geodesic_test.cpp": "laws of the solver, one a test",
+    "tests/bus/bridge_fault_test.cpp": "one fault a test",
 }
 SOURCES = (".cpp", ".hpp", ".h", ".py", ".sh", ".cmake", ".txt", ".xml")
 ROOT_ENTRIES = {
