@@ -134,5 +134,13 @@ def follow(
     _, start = _core.choose_branch(model, posture, centre)
     status, check = _core.check_path(model, path, arm.rhythm, start, False)
     found = _core.map_path(model, path, arm.rhythm, check.guide, progress)
-    rows = (found[name] for name in ("q_rad", "residual_m", "margin_rad", "singularity_rad"))
-    return DeviceMotion(device, settings, status, *rows, check)
+    return DeviceMotion(
+        device=device,
+        settings=settings,
+        status=status,
+        q_rad=found["q_rad"],
+        residual_m=found["residual_m"],
+        margin_rad=found["margin_rad"],
+        singularity_rad=found["singularity_rad"],
+        check=check,
+    )
