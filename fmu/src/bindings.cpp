@@ -67,9 +67,11 @@ MotionSettings settings_from(const Values& values) {
   settings.rhythm.gain = values[kRhythmGain];
   settings.rhythm.smoothing_rad = values[kRhythmSmoothing];
   settings.moving_shoulder = values[kMetricMovingShoulder] != 0.0;
+  settings.axial_factor = values[kMetricAxialFactor];
   settings.swivel_mode = enum_at<SwivelMode>(values, kSwivelMode);
   settings.swivel_prescribed_rad = values[kSwivelPrescribed];
   settings.duration_s = values[kMotionDuration];
+  settings.timing = enum_at<TimingLaw>(values, kMotionTiming);
   settings.limits.lower = vector_at<4>(values, kLimitsLower);
   settings.limits.upper = vector_at<4>(values, kLimitsUpper);
   settings.start_q = vector_at<4>(values, kStartQ);

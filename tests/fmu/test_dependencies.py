@@ -43,6 +43,7 @@ VALUES = {
     "subject.upperArmLength": [0.31], "subject.forearmLength": [0.24], "subject.shoulderDistance": [0.2],
     "rhythm.model": [1, 2], "rhythm.gain": [0.5], "rhythm.smoothing": [0.2], "metric.movingShoulder": [False],
     "swivel.mode": [2, 3], "swivel.prescribed": [0.5], "motion.duration": [0.9],
+    "metric.axialFactor": [2.0], "motion.timing": [2, 3],
     "exo.girdleOrder": [1, 2], "exo.girdleDrives": [1, 2, 3, 4], "exo.girdleLink": [0.1], "exo.minSingularity": [1.5],
     "exo.baseFollowsGirdle": [True, False],
 }  # fmt: skip

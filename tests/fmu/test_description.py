@@ -102,6 +102,8 @@ def test_start_values_are_the_defaults_of_the_core(core, archives):
     assert start("rhythm.smoothing") == settings.rhythm.smoothing_rad
     assert start("metric.movingShoulder") == settings.moving_shoulder
     assert start("swivel.mode") == settings.swivel_mode.value
+    assert start("metric.axialFactor") == settings.axial_factor
+    assert start("motion.timing") == settings.timing.value
     assert start("swivel.prescribed") == settings.swivel_prescribed_rad
     assert start("motion.duration") == settings.duration_s
     assert start("limits.lower") == list(settings.limits.lower_rad)

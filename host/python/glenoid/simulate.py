@@ -20,6 +20,7 @@ from glenoid.settings import make_generator, mirrored_if_left
 
 RHYTHM_NUMBER = {"Fixed": 1, "SoltaniZarrin2017": 2, "Measured": 3}
 SWIVEL_NUMBER = {"MinimumEnergy": 1, "Prescribed": 2, "HumanPrior": 3}
+TIMING_NUMBER = {"MinimumJerkRiemannian": 1, "MinimumJerkHand": 2, "MinimumJerkHoming": 3}
 VECTORS = {
     "q_rad": ("q", 4),
     "dq_rad_per_s": ("dq", 4),
@@ -75,10 +76,6 @@ def refuse_what_the_fmu_lacks(reach: ReachInput) -> None:
     """InputError for settings that the FMU has no parameter for."""
     if extra := subject_lacks(reach.subject):
         raise InputError(f"subject.{extra[0]}: the FMU has no such parameter; use `glenoid plan`")
-    if reach.timing != "MinimumJerkRiemannian":
-        raise InputError(f"timing = {reach.timing}: the FMU has MinimumJerkRiemannian only; use `glenoid plan`")
-    if reach.axial_factor != 1.0:
-        raise InputError(f"axial_factor = {reach.axial_factor}: the FMU has 1 only; use `glenoid plan`")
     for name, fitted in (("rhythm.measured", reach.rhythm.measured), ("swivel.prior", reach.swivel.prior)):
         if fitted is not None:
             raise InputError(f"{name}: the FMU has the core's own coefficients only; use `glenoid plan`")
@@ -94,9 +91,11 @@ def start_values(reach: ReachInput, shift: Array, device: Device | None = None) 
         "rhythm.gain": reach.rhythm.gain,
         "rhythm.smoothing": reach.rhythm.smoothing_rad,
         "metric.movingShoulder": reach.metric == "movingShoulder",
+        "metric.axialFactor": reach.axial_factor,
         "swivel.mode": SWIVEL_NUMBER[reach.swivel.mode],
         "swivel.prescribed": reach.swivel.prescribed_rad,
         "motion.duration": reach.duration_s,
+        "motion.timing": TIMING_NUMBER[reach.timing],
     }
     values |= subject_parameters(reach.subject) | (device_parameters(device) if device is not None else {})
     return values | numbered("start.q", reach.start_rad) | numbered("target", np.array(reach.target_m) - shift)
