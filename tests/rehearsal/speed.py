@@ -20,8 +20,8 @@ REACHES = 100
 
 def main() -> None:
     data = yaml.safe_load(PATH.read_text(encoding="utf-8"))
-    kinds = ({"activity": "reach_high"}, {"activity": "drink"})
-    data["movements"] = [kinds[k % 2] | {"duration_s": 2.5, "pause_s": 0.3} for k in range(REACHES)]
+    kinds = ({"activity": "drink"}, {"activity": "reach_across"})
+    data["movements"] = [kinds[k % 2] | {"duration_s": 2.0, "pause_s": 0.2} for k in range(REACHES)]
     scenario = parse_scenario(data, PATH)
     begin = time.perf_counter()
     motion = run_source(scenario, 1e-9 * scenario.config.setpoint_period_ns)

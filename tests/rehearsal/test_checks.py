@@ -71,13 +71,15 @@ def test_one_broken_check_decides(scenario_of, evidence, name):
         ("within_ms", 1e-3),
         ("at_rest_within_ms", 1e-3),
         ("unpowered_within_ms", 1.0),
+        ("moves_at_most_rad", 1e-6),
     ],
 )
 def test_wrong_expectation_fails(scenario_of, key, value):
     done = rehearse(scenario_of("fault_drive_emcy", lambda data: data["expect"].update({key: value})), None)
     assert done.verdict == "FAIL"
     failed = [finding.name for finding in done.findings if finding.outcome == "FAIL"]
-    assert failed == [{"at_rest_within_ms": "at_rest", "unpowered_within_ms": "unpowered"}.get(key, "safe_state")]
+    names = {"at_rest_within_ms": "at_rest", "unpowered_within_ms": "unpowered", "moves_at_most_rad": "travel"}
+    assert failed == [names.get(key, "safe_state")]
 
 
 def test_expected_fault_that_does_not_happen_fails(scenario_of):

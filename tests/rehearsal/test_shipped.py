@@ -12,7 +12,8 @@ from glenoid.rehearse.virtual import run_virtual
 
 FOLDER = Path(__file__).resolve().parents[2] / "host/rehearsals"
 VIRTUAL = [path for path in sorted(FOLDER.glob("*.yaml")) if "real_time" not in path.stem]
-MUST_FAIL = {"too_fast"}
+#: and by which checks alone, where that matters
+MUST_FAIL = {"too_fast": None, "fault_drive_stuck_encoder": ["travel"]}
 RPDO, ENABLE = 0x200, 0x0F
 CLASSES = {
     "stream_stop",
@@ -43,11 +44,13 @@ def test_verdict_is_the_one_the_file_states(done):
     findings = judge_all(e)
     told = [f"{f.name}: {f.value} {f.text}" for f in findings if f.outcome == "FAIL"]
     assert verdict(findings) == ("FAIL" if name in MUST_FAIL else "PASS"), told
+    if (alone := MUST_FAIL.get(name)) is not None:
+        assert [finding.name for finding in findings if finding.outcome == "FAIL"] == alone
 
 
 def test_faults_end_in_the_stated_safe_state_in_the_stated_time(done):
     """The same from the raw record: not through the code that judges."""
-    _, e = done
+    name, e = done
     expect, record = e.scenario.data.expect, e.record
     if expect is None:
         assert not e.scenario.data.faults, "a rehearsal with faults states what they lead to"
@@ -58,6 +61,8 @@ def test_faults_end_in_the_stated_safe_state_in_the_stated_time(done):
     assert FAULTS[record.fault] in expect.faults
     first = next(event for event in record.events if event["severity"] == 2 and event["code"] == record.fault)
     assert 0 <= first["time_ns"] - since <= 1e6 * expect.within_ms
+    way = np.ptp(truth["position_rad"][truth["time_ns"] >= since], axis=0).max()
+    assert (expect.moves_at_most_rad is not None and way <= expect.moves_at_most_rad) or name in MUST_FAIL
     print(f"{e.scenario.data.name}: {record.state}, {FAULTS[record.fault]}, {1e-6 * (first['time_ns'] - since):.1f} ms")
     before = truth["time_ns"] < since
     assert (np.abs(truth["velocity_rad_per_s"][before][-1]) > REST_RAD_PER_S).any(), "the arm moved when it happened"

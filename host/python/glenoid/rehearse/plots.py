@@ -55,6 +55,10 @@ def joints(e: Evidence) -> Figure:
         axes.plot(
             times, e.record.feedback["position_rad"][rows, k], color=COLOURS[k % 6], linewidth=1.0, label="measured"
         )
+        if (truth := e.record.truth) is not None and len(e.scenario.data.faults):
+            since = e.record.seconds(truth["time_ns"])
+            shown = since > -0.5
+            axes.plot(since[shown], truth["position_rad"][shown, k], color="#222222", linestyle=":", label="true")
         joint = e.scenario.config.joints[k]
         for limit in ("lower_rad", "upper_rad"):
             axes.axhline(joint[limit], color="#bbbbbb", linewidth=0.7)

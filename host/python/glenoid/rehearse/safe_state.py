@@ -36,8 +36,19 @@ def unpowered_ns(record: Record, phase_ns: int, since_ns: int) -> int | None:
     return last_ns(record.feedback["time_ns"], powered.any(axis=1), since_ns)
 
 
+def travel(e: Evidence, since_ns: int) -> tuple[float | None, str]:
+    """How far a joint went after the first fault, rad, and which: truly in virtual time, else by the feedback."""
+    source = e.record.truth if e.record.truth is not None else e.record.feedback
+    positions = source["position_rad"][source["time_ns"] >= since_ns]
+    if len(positions) == 0:
+        return None, "nothing was measured"
+    way = np.ptp(positions, axis=0)
+    joint = int(np.argmax(way))
+    return float(way[joint]), e.scenario.joints[joint] + ("" if e.record.truth is not None else ", by its encoder")
+
+
 def judge_safe_state(e: Evidence) -> list[Finding]:
-    """One finding for the state and its fault, and one for each further time of the expectation."""
+    """One finding for the state and its fault, and one for each further figure of the expectation."""
     expect, since = e.scenario.data.expect, e.first_fault_ns
     if expect is None or since is None:
         return []
@@ -59,4 +70,7 @@ def judge_safe_state(e: Evidence) -> list[Finding]:
         took = None if instant is None else 1e-6 * (instant - since)
         words = "after the first fault" if took is not None else "never"
         findings.append(Finding(name, "error", took, limit, "ms", took is not None and took <= limit, words))
+    if (most := expect.moves_at_most_rad) is not None:
+        way, joint = travel(e, since)
+        findings.append(Finding("travel", "error", way, most, "rad", way is not None and way <= most, joint))
     return findings

@@ -191,6 +191,9 @@ class ExpectInput(Strict):
         default=None, description="every joint slower than 0.02 rad/s"
     )
     unpowered_within_ms: Annotated[float, Field(gt=0.0)] | None = None
+    moves_at_most_rad: Annotated[float, Field(gt=0.0)] | None = Field(
+        default=None, description="how far any joint may still go, truly where that is known"
+    )
 
     @property
     def faults(self) -> list[str]:
