@@ -4,7 +4,7 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
-SUITES = ("ctest", "pytest", "sanitize")
+SUITES = ("ctest", "pytest", "programs", "sanitize")
 
 
 def count_cases(report: Path) -> tuple[int, int, int]:

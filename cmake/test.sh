@@ -18,8 +18,16 @@ ctest --test-dir build -j "${GLENOID_JOBS:-2}" --output-on-failure --output-juni
   { failed=1; grep -vE '^ +Start|Test .*Passed' "$reports/ctest.log"; }
 tail -n 3 "$reports/ctest.log"
 
+run_pytest() {
+  local report=$1
+  shift
+  build/venv/bin/python -m pytest -q --junitxml="$reports/$report.xml" --durations=10 "$@" || failed=1
+}
 stage Python tests
-build/venv/bin/python -m pytest -q --junitxml="$reports/pytest.xml" --durations=25 tests || failed=1
+run_pytest pytest -n "${GLENOID_JOBS:-2}" --dist loadfile tests/host tests/fmu tests/validation tests/architecture
+
+stage Python tests that run programs against the clock, one after another
+run_pytest programs tests/bus tests/vcan tests/rehearsal
 
 stage checks
 bash cmake/check.sh | tee "$reports/check.log"
