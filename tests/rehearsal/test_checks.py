@@ -3,8 +3,9 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
-from glenoid.rehearse.checks import judge_all, verdict
+from glenoid.rehearse.checks import judge_all, tracking_error, verdict
 from glenoid.rehearse.run import perform, rehearse
 from glenoid.rehearse.scenario import load_scenario
 
@@ -53,6 +54,13 @@ def evidence():
 
 def test_good_rehearsal_passes(evidence):
     assert verdict(judge_all(evidence)) == "PASS"
+
+
+def test_measured_motion_is_compared_at_the_right_instant(evidence):
+    """One SYNC off and the error would be the way of a period, several times as much as it is."""
+    speed = np.abs(evidence.motion.samples["exo_dq_rad_per_s"]).max()
+    way = 1e-9 * evidence.scenario.config.period_ns * speed
+    assert tracking_error(evidence)[0] < 0.5 * way
 
 
 @pytest.mark.parametrize("name", sorted(IMPOSSIBLE))
