@@ -124,7 +124,7 @@ def test_start_values_are_the_defaults_of_the_core(core, archives):
 
 def test_enumerations_are_those_of_the_core(core, archives):
     types = archives["fmi3"].root.find("TypeDefinitions")
-    for name in ("RhythmModel", "SwivelMode", "GirdleOrder", "GirdleDrives", "MotionStatus"):
+    for name in ("RhythmModel", "SwivelMode", "TimingLaw", "GirdleOrder", "GirdleDrives", "MotionStatus"):
         items = {i.attrib["name"]: int(i.attrib["value"]) for i in types.find(f"*[@name='{name}']")}
         members = {member.name: member.value for member in getattr(core, name)}
         if name == "GirdleDrives":
