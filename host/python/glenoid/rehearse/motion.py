@@ -16,12 +16,10 @@ from numpy.typing import NDArray
 
 from glenoid import _core
 from glenoid.devices import Device, load_device
-from glenoid.exo import core_exo
 from glenoid.fmus import fmu_path, sha256
 from glenoid.inputs import InputError
 from glenoid.reach import REFUSALS, Array
 from glenoid.rehearse.scenario import Scenario
-from glenoid.settings import make_generator
 from glenoid.simulate import start_values, words_of
 
 #: what is read every step: key, variable, size
@@ -34,6 +32,7 @@ OUTPUTS = (
     ("wrist_m", "wrist", 3),
     ("girdle", "girdle", 3),
     ("misalignment_m", "misalignment", 0),
+    ("residual_m", "exo.residual", 0),
 )
 
 
@@ -44,7 +43,7 @@ class Motion:
     Attributes:
         step_s: period of the setpoints on the source's clock, s.
         factor: how fast that clock runs against that of the bridge.
-        samples: arrays by the keys of OUTPUTS; `residual_m`: what the girdle drives leave.
+        samples: arrays by the keys of OUTPUTS; `residual_m` is what the girdle drives leave.
         status: number of the FMU's status, a row each.
         begins: row at which each movement's target was set.
         ends: row at which it must have arrived.
@@ -192,7 +191,7 @@ def run_source(
     finally:
         source.close()
     samples = columns(np.array(rows, dtype=float))
-    motion = Motion(
+    return Motion(
         step_s=step_s,
         factor=factor,
         samples=samples,
@@ -204,8 +203,6 @@ def run_source(
         fmu_sha256=sha256(fmu),
         messages=source.messages,
     )
-    samples["residual_m"] = girdle_residual(scenario, device, motion)
-    return motion
 
 
 def columns(rows: Array) -> dict[str, Array]:
@@ -215,20 +212,4 @@ def columns(rows: Array) -> dict[str, Array]:
         width = max(size, 1)
         out[key] = rows[:, at : at + width] if size else rows[:, at]
         at += width
-    return out
-
-
-def girdle_residual(scenario: Scenario, device: Device, motion: Motion) -> Array:
-    """Distance of the device's shoulder centre from the person's, m, that drives which follow exactly would leave."""
-    girdle = device.data.girdle
-    if girdle.drives == "Full" and not girdle.link_m:
-        return np.zeros(motion.rows)
-    out = np.zeros(motion.rows)
-    movements = scenario.data.movements
-    generator = make_generator(scenario.reach(movements[0]), core_exo(device, scenario.subject))
-    for k, (begin, target) in enumerate(zip(motion.begins, motion.targets_m, strict=True)):
-        generator.set_duration(movements[k].duration_s)
-        generator.command(begin * motion.step_s, np.array(target))
-        end = motion.begins[k + 1] if k + 1 < len(motion.begins) else motion.rows
-        out[begin:end] = generator.sample(motion.step_s * np.arange(begin, end).astype(np.float64))["exo_residual_m"]
     return out

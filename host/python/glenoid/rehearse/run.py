@@ -68,6 +68,7 @@ def facts_of(e: Evidence, findings: list[Finding], begun: float) -> dict[str, An
         "scenario_sha256": hashlib.sha256(e.scenario.resolved().encode()).hexdigest(),
         "mode": e.scenario.data.mode,
         "faults": len(e.scenario.data.faults),
+        "not_decided_by": [finding.name for finding in findings if finding.level != "error"],
         "state": e.record.state,
         "fault": e.record.fault,
         "run_s": round(run_s, 6),

@@ -11,11 +11,13 @@ from pydantic import Field, ValidationError, model_validator
 from glenoid import _core
 from glenoid.inputs import (
     InputError,
+    MetricName,
     ReachInput,
     RhythmInput,
     Strict,
     SubjectInput,
     SwivelInput,
+    TimingName,
     Vector3,
     Vector4,
     explain,
@@ -264,6 +266,9 @@ class ScenarioInput(Strict):
     start_q_deg: Vector4 = (15.0, -30.0, 30.0, 60.0)
     rhythm: RhythmInput = RhythmInput()
     swivel: SwivelInput = SwivelInput()
+    metric: MetricName = "movingShoulder"
+    axial_factor: Annotated[float, Field(ge=1.0, le=5.0)] = 1.0
+    timing: TimingName = "MinimumJerkRiemannian"
     movements: Annotated[list[MovementInput], Field(min_length=1, max_length=1000)]
     mode: Literal["virtual_time", "real_time"] = "virtual_time"
     real_time: RealTimeInput = RealTimeInput()
@@ -338,6 +343,9 @@ class Scenario:
             subject=self.subject,
             rhythm=data.rhythm,
             swivel=data.swivel,
+            metric=data.metric,
+            axial_factor=data.axial_factor,
+            timing=data.timing,
         )
 
     def resolved(self) -> str:
