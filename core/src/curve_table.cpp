@@ -1,9 +1,9 @@
 #include "curve_table.hpp"
 
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include "kernels.hpp"
 
@@ -13,14 +13,32 @@ namespace {
 constexpr double kLeastRaised = 0x1p-10;  // 1 + c, theta = 177.5 deg; the curve has a kink at the arm straight up
 constexpr int kPerOctave = 4;             // panels; a singularity at the end of the side is then 9 half widths away
 
+/// cos(m pi / 20), the angles of ten Chebyshev nodes. Literals, for a compiler may evaluate std::cos of a constant itself and
+/// round it otherwise than another one: the bits of every path would then be those of the compiler.
+double cosine_of_twentieths(std::size_t m) {
+  constexpr std::array<double, 11> kCosine = {1.0,
+                                              0.98768834059513772619,
+                                              0.95105651629515357212,
+                                              0.89100652418836786236,
+                                              0.80901699437494742410,
+                                              0.70710678118654752440,
+                                              0.58778525229247312917,
+                                              0.45399049973954679156,
+                                              0.30901699437494742410,
+                                              0.15643446504023086901,
+                                              0.0};
+  m %= 40;
+  if (m > 20) m = 40 - m;
+  return m <= 10 ? kCosine[m] : -kCosine[20 - m];
+}
+
 /// cos(k (i + 1/2) pi / N): Chebyshev polynomial k at node i.
 template <std::size_t N>
 std::array<std::array<double, N>, N> chebyshev_at_nodes() {
+  static_assert(N == 10);
   std::array<std::array<double, N>, N> table;
   for (std::size_t k = 0; k < N; ++k) {
-    for (std::size_t i = 0; i < N; ++i) {
-      table[k][i] = std::cos(kPi * static_cast<double>(k) * (static_cast<double>(i) + 0.5) / N);
-    }
+    for (std::size_t i = 0; i < N; ++i) table[k][i] = cosine_of_twentieths(k * (2 * i + 1));
   }
   return table;
 }
@@ -58,7 +76,9 @@ CurveTable::CurveTable(double scale, const Curve& curve) {
 /// Counts panels: kPerOctave for each power of two, found in the leading bits of the number.
 int CurveTable::key(double v) noexcept {
   static_assert(kPerOctave == 4);
-  return static_cast<int>(std::bit_cast<std::uint64_t>(v) >> 50);
+  std::uint64_t bits = 0;  // no std::bit_cast: importers that build FMI 2.0 sources take their compiler's default, C++17
+  std::memcpy(&bits, &v, sizeof bits);
+  return static_cast<int>(bits >> 50);
 }
 
 void CurveTable::fill(Side& side, double least, const Curve& curve) {
@@ -82,7 +102,7 @@ CurveTable::Panel CurveTable::fit(double low, double high, double end, const Cur
   p.reciprocal = 1.0 / half;
   CurveJet jets[kNodes];
   for (std::size_t i = 0; i < kNodes; ++i) {
-    const double t = std::cos(kPi * (static_cast<double>(i) + 0.5) / kNodes);
+    const double t = cosine_of_twentieths(2 * i + 1);
     jets[i] = curve(end * (1.0 - (p.middle + half * t)));
   }
   const CurveJet middle = curve(end * (1.0 - p.middle));

@@ -61,11 +61,11 @@ void validate_girdle(const ExoSettings& settings, const Vec3& p_TS_ref, Problems
   const int order = static_cast<int>(settings.girdle_order), drives = static_cast<int>(settings.girdle_drives);
   problems.require(order == 1 || order == 2, "exo.girdleOrder", order, "1",
                    "must be 1 (ProtractionFirst) or 2 (ElevationFirst)");
-  problems.require(drives >= 1 && drives <= 4, "exo.girdle_drives", drives, "1",
+  problems.require(drives >= 1 && drives <= 4, "exo.girdleDrives", drives, "1",
                    "must be 1 (Full), 2 (NoLength), 3 (VerticalOnly) or 4 (None)");
-  problems.require(!settings.base_follows_girdle || drives <= 2, "exo.base_follows_girdle", 1.0, "1",
+  problems.require(!settings.base_follows_girdle || drives <= 2, "exo.baseFollowsGirdle", 1.0, "1",
                    "needs a girdle that turns: drives Full or NoLength");
-  problems.require_range("exo.girdle_link_m", settings.girdle_link_m, 0.0, 1.0, "m");
+  problems.require_range("exo.girdleLink", settings.girdle_link_m, 0.0, 1.0, "m");
   if (!require_finite("shoulder centre at the start", p_TS_ref, "m", problems)) return;
   problems.require(p_TS_ref.norm() >= 1e-3, "distance of the shoulder centre at the start", p_TS_ref.norm(), "m",
                    "must be at least 1 mm from the sternoclavicular joint");
@@ -78,7 +78,7 @@ void validate(const ExoSettings& settings, const Vec3& p_TS_ref) {
   validate_mount("exo.cuff", settings.cuff, problems);
   validate_girdle(settings, p_TS_ref, problems);
   problems.require(settings.min_singularity_rad >= 0.0 && settings.min_singularity_rad < 0.5 * kPi,
-                   "exo.min_singularity_rad", settings.min_singularity_rad, "rad", "must be at least 0 and below pi/2");
+                   "exo.minSingularity", settings.min_singularity_rad, "rad", "must be at least 0 and below pi/2");
   validate_joints(settings, problems);
   problems.throw_if_any();
 }
