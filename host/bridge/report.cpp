@@ -88,6 +88,9 @@ std::string rehearsal_obstacle(const std::string& folder, const std::string& has
     const std::string json((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
     const YAML::Node report = YAML::Load(json);  // JSON is YAML
     if (report["verdict"].as<std::string>("") != "PASS") return "the rehearsal in " + folder + " did not pass";
+    if (report["faults"].as<int>(-1) != 0) return "the rehearsal in " + folder + " is one with faults injected";
+    if (!report["not_decided_by"].IsSequence() || report["not_decided_by"].size() != 0)
+      return "the rehearsal in " + folder + " has checks that did not decide its verdict";
     if (report["config_hash"].as<std::string>("") != hash)
       return "the rehearsal in " + folder + " is of another configuration";
     return {};

@@ -14,6 +14,9 @@ target_link_libraries(bridge_config_test PRIVATE glenoid::bridge_config)
 glenoid_add_test(bridge_loop_test bridge_loop_test.cpp)
 target_link_libraries(bridge_loop_test PRIVATE glenoid::bridge_loop)
 
+glenoid_add_test(bridge_rehearsal_test bridge_rehearsal_test.cpp ${PROJECT_SOURCE_DIR}/host/bridge/report.cpp)
+target_link_libraries(bridge_rehearsal_test PRIVATE glenoid::bridge_loop glenoid::bridge_config)
+
 # What reads bytes from outside, as in wires.cmake: libFuzzer with GLENOID_FUZZ, otherwise the corpus cut and damaged.
 foreach(target config frames)
   add_executable(bridge_fuzz_${target} bridge_fuzz_${target}.cpp

@@ -7,6 +7,7 @@
 
 #include "bridge_motions.hpp"
 #include "host/bridge/can/error_frame.hpp"
+#include "host/bridge/core/cia402.hpp"
 #include "host/bridge/core/codec.hpp"
 
 namespace glenoid::bridge::test {
@@ -403,6 +404,17 @@ TEST_F(Running, FollowingErrorStopsAll) {
   rig.drives[2].position += static_cast<std::int32_t>(0.15 * 100 * 4096 / 6.283);
   expect_stop(Fault::FollowingError, State::Fault, since_ns, rig.settings.joints[2].following_time_ns + 4 * kMs,
               "following error");
+}
+
+TEST_F(Running, DriveThatDoesNotFollowLosesItsPowerAtOnceAndTheOthersBrake) {
+  rig.drives[2].stuck = true;
+  rig.drives[2].position += static_cast<std::int32_t>(0.15 * 100 * 4096 / 6.283);
+  while (rig.bridge.state() == State::Run) rig.cycle();
+  ASSERT_EQ(rig.bridge.fault(), Fault::FollowingError);
+  for (std::size_t j = 0; j < rig.drives.size(); ++j) {
+    const std::uint16_t expected = j == 2 ? cia402::kDisableVoltage : cia402::kQuickStop;
+    EXPECT_EQ(rig.last_rpdo(static_cast<std::uint8_t>(j + 1)).first, expected) << "joint " << j;
+  }
 }
 
 TEST_F(Running, MeasuredPositionOutsideTheLimitsStopsAll) {

@@ -39,8 +39,9 @@ class Bridge::Implementation {
     CommandLimiter limiter;
     std::uint16_t controlword = 0;
     std::int32_t target = 0;
-    bool held = false;  ///< the target is a command; otherwise it goes with the measured position
-    bool lost = false;  ///< its node must be configured again before arming
+    bool held = false;   ///< the target is a command; otherwise it goes with the measured position
+    bool lost = false;   ///< its node must be configured again before arming
+    bool blind = false;  ///< its measured position is not to be trusted: it cannot brake, so its power goes at once
     double measured_rad = 0.0;
     double velocity_rad_per_s = 0.0;
     std::int64_t measured_cycle = -1;

@@ -253,7 +253,8 @@ void Bridge::Implementation::advance_stopped() noexcept {
     reporter_.report(Severity::Info, code(Notice::Disarmed), {}, 0, 0, "disarmed");
   }
   for (Joint& joint : joints_) {
-    joint.controlword = powered_stop_ ? cia402::kQuickStop : cia402::kDisableVoltage;
+    joint.blind = joint.blind && powered_stop_;
+    joint.controlword = powered_stop_ && !joint.blind ? cia402::kQuickStop : cia402::kDisableVoltage;
     joint.held = joint.held && powered_stop_;
   }
 }

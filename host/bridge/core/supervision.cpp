@@ -138,6 +138,8 @@ void Bridge::Implementation::trip(Fault fault, const Subject& subject, double va
   const char* joint = subject.joint >= 0 ? settings_.joints[static_cast<std::size_t>(subject.joint)].name.c_str() : "";
   reporter_.report(Severity::Error, code(fault), subject, value, limit, "%s%s%s (%s: %g, limit %g)", joint,
                    *joint != '\0' ? ": " : "", words(fault), what, value, limit);
+  if (fault == Fault::FollowingError && subject.joint >= 0)
+    joints_[static_cast<std::size_t>(subject.joint)].blind = true;
   if (stopped()) return;
   powered_stop_ = armed() || arming_;
   fault_ = fault;
