@@ -10,7 +10,16 @@ import pytest
 from canopen.profiles.p402 import BaseNode402
 from glenoid.programs import program
 
-PROFILES = ["nominal", "epos4", "ingenia_summit", "isel_imd20", "delta_servo", "technosoft_ipos", "nanotec_n5"]
+PROFILES = [
+    "nominal",
+    "epos4",
+    "ingenia_summit",
+    "isel_imd20",
+    "delta_servo",
+    "technosoft_ipos",
+    "nanotec_n5",
+    "patient",
+]
 PATIENCE_S = 10.0
 
 

@@ -81,11 +81,12 @@ def bridge_configuration(scenario: Scenario, bus: str, folder: Path) -> Path:
 def drive_profile(scenario: Scenario, joint: dict[str, Any], folder: Path) -> Path:
     """The profile with the gear of the configuration, as in virtual time."""
     data = read_mapping(profile_file(scenario))
+    mechanics = data.setdefault("mechanics", {})
     gear, counts = joint["gear_ratio"], joint["encoder_counts_per_turn"]
     if gear == int(gear) and counts == int(counts):
-        data["mechanics"] |= {"gear_ratio": int(gear), "encoder_counts_per_motor_rev": int(counts)}
+        mechanics |= {"gear_ratio": int(gear), "encoder_counts_per_motor_rev": int(counts)}
     if joint["rated_torque_Nm"] > 0.0:
-        data["mechanics"]["rated_torque_Nm"] = joint["rated_torque_Nm"]
+        mechanics["rated_torque_Nm"] = joint["rated_torque_Nm"]
     path = folder / f"drive_{joint['node']}.yaml"
     path.write_text(yaml.safe_dump(data, sort_keys=False), encoding="utf-8")
     return path
