@@ -100,6 +100,8 @@ def start_drives(port, rate_hz):
             f"udp:{GROUP}:{number}",
             "--nodes",
             nodes,
+            "--profile",
+            "patient",  # late periods are what is measured; they must not end the run
             "--report",
             "/dev/null",
         ]
