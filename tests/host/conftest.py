@@ -1,14 +1,12 @@
 """What the host tests share: the command line in this process, plain tasks, and the random source."""
 
-import json
 import os
 import sys
 from pathlib import Path
-from typing import NamedTuple
 
 import hypothesis
 import pytest
-from glenoid.cli import main
+from command_line import run as run
 from glenoid.inputs import ReachInput
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -22,33 +20,6 @@ hypothesis.settings.register_profile(
     database=None,
 )
 hypothesis.settings.load_profile("glenoid")
-
-
-class Outcome(NamedTuple):
-    code: int
-    out: str
-    err: str
-
-    @property
-    def json(self):
-        return json.loads(self.out, parse_constant=lambda text: pytest.fail(f"{text} is no JSON"))
-
-
-@pytest.fixture
-def run(capsys, monkeypatch):
-    """Runs `glenoid ARGUMENTS` and returns exit status and output."""
-
-    def call(*arguments):
-        monkeypatch.setattr(sys, "argv", ["glenoid", *map(str, arguments)])
-        capsys.readouterr()
-        try:
-            code = main()
-        except SystemExit as stop:
-            code = stop.code or 0
-        out, err = capsys.readouterr()
-        return Outcome(code, out, err)
-
-    return call
 
 
 @pytest.fixture(scope="session")

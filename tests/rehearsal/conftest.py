@@ -1,46 +1,17 @@
 """What the tests of rehearsals share: shipped scenarios, runs in virtual time, and the command line in this process."""
 
 import copy
-import json
 import sys
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
 import yaml
-from glenoid.cli import main
+from command_line import run as run
 from glenoid.rehearse.run import rehearse
 from glenoid.rehearse.scenario import parse_scenario
 
 sys.path.insert(0, str(Path(__file__).parent))
 FOLDER = Path(__file__).resolve().parents[2] / "host/rehearsals"
-
-
-class Outcome(NamedTuple):
-    code: int
-    out: str
-    err: str
-
-    @property
-    def json(self):
-        return json.loads(self.out, parse_constant=lambda text: pytest.fail(f"{text} is no JSON"))
-
-
-@pytest.fixture
-def run(capsys, monkeypatch):
-    """Runs `glenoid ARGUMENTS` and returns exit status and output."""
-
-    def call(*arguments):
-        monkeypatch.setattr(sys, "argv", ["glenoid", *map(str, arguments)])
-        capsys.readouterr()
-        try:
-            code = main()
-        except SystemExit as stop:
-            code = stop.code or 0
-        out, err = capsys.readouterr()
-        return Outcome(code, out, err)
-
-    return call
 
 
 @pytest.fixture
