@@ -65,6 +65,18 @@ void ReceiveBatch::read_control(std::size_t k, std::int64_t monotonic_minus_real
   }
 }
 
+SendBatch::SendBatch() noexcept {
+  for (std::size_t k = 0; k < kSlots; ++k) {
+    messages_[k].msg_hdr.msg_iov = &vectors_[k];
+    messages_[k].msg_hdr.msg_iovlen = 1;
+  }
+}
+
+int SendBatch::send(int descriptor, std::size_t count) noexcept {
+  const int sent = ::sendmmsg(descriptor, messages_.data(), static_cast<unsigned>(count), MSG_DONTWAIT);
+  return sent < 0 ? -errno : sent;
+}
+
 bool set_option(int descriptor, int level, int option, int value) noexcept {
   return ::setsockopt(descriptor, level, option, &value, sizeof value) == 0;
 }

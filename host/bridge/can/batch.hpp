@@ -53,6 +53,27 @@ class ReceiveBatch {
   std::uint32_t dropped_before_ = 0;
 };
 
+/// Sends up to kSlots messages at once. Allocates nothing; large, keep one.
+class SendBatch {
+ public:
+  static constexpr std::size_t kSlots = 64;
+
+  SendBatch() noexcept;
+  SendBatch(const SendBatch&) = delete;
+  SendBatch& operator=(const SendBatch&) = delete;
+
+  /// Message `k`; its bytes are not copied and must stay until `send`.
+  void set(std::size_t k, std::span<const char> bytes) noexcept {
+    vectors_[k] = {const_cast<char*>(bytes.data()), bytes.size()};  // sendmmsg does not write there
+  }
+  /// Messages 0 .. count - 1, without waiting. How many the kernel took, at least one; -errno where none.
+  int send(int descriptor, std::size_t count) noexcept;
+
+ private:
+  std::array<mmsghdr, kSlots> messages_{};
+  std::array<iovec, kSlots> vectors_{};
+};
+
 /// setsockopt for an int. False where the kernel refuses.
 bool set_option(int descriptor, int level, int option, int value) noexcept;
 

@@ -12,9 +12,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "host/bridge/can/batch.hpp"
 #include "host/bridge/can/descriptor.hpp"
 #include "host/bridge/can/interface.hpp"
+#include "host/bridge/can/socket_port.hpp"
 
 namespace glenoid::can {
 namespace {
@@ -60,7 +60,7 @@ std::vector<can_filter> to_kernel(const std::vector<Filter>& filters) {
   return out;
 }
 
-class SocketCanPort final : public Port {
+class SocketCanPort final : public SocketPort {
  public:
   SocketCanPort(std::string_view name, const PortOptions& options)
       : interface_(name), filters_(to_kernel(options.filters)), echo_(options.echo), socket_(open_socket()) {
@@ -72,31 +72,9 @@ class SocketCanPort final : public Port {
     link_ = interface_.link(socket_.get());
   }
 
-  std::size_t send(std::span<const Frame> frames) noexcept override {
-    std::size_t taken = 0;
-    while (taken < frames.size()) {
-      const std::size_t count = std::min(frames.size() - taken, kBatch);
-      const std::size_t done = send_batch(frames.subspan(taken, count));
-      taken += done;
-      if (done < count) break;
-    }
-    counters_.sent += taken;
-    counters_.refused += frames.size() - taken;
-    return taken;
-  }
-
   std::size_t receive(std::span<Received> into) noexcept override {
     if (link_ != Link::Up) look_for_interface();
-    std::size_t count = 0;
-    while (count < into.size()) {
-      const std::size_t most = std::min(into.size() - count, ReceiveBatch::kSlots);
-      const int arrived = batch_.receive(socket_.get(), most);
-      if (arrived < 0) note_failure(-arrived);
-      for (int k = 0; k < arrived; ++k) count += read(static_cast<std::size_t>(k), into[count]) ? 1u : 0u;
-      if (arrived < static_cast<int>(most)) break;
-    }
-    counters_.overruns = batch_.dropped();
-    return count;
+    return SocketPort::receive(into);
   }
 
   [[nodiscard]] std::size_t outstanding() const noexcept override {
@@ -116,12 +94,9 @@ class SocketCanPort final : public Port {
     return true;
   }
 
-  [[nodiscard]] Link link() const noexcept override { return link_; }
-  [[nodiscard]] PortCounters counters() const noexcept override { return counters_; }
   [[nodiscard]] int descriptor() const noexcept override { return socket_.get(); }
 
  private:
-  static constexpr std::size_t kBatch = 64;
   static constexpr int kMostRounds = 1024;  // receive buffers end before
 
   bool set_filters() noexcept {
@@ -137,34 +112,31 @@ class SocketCanPort final : public Port {
     return ::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
   }
 
-  std::size_t send_batch(std::span<const Frame> frames) noexcept {
-    for (std::size_t k = 0; k < frames.size(); ++k) {
-      frames_[k] = to_kernel(frames[k]);
-      vectors_[k] = {&frames_[k], sizeof frames_[k]};
-      messages_[k] = {};
-      messages_[k].msg_hdr.msg_iov = &vectors_[k];
-      messages_[k].msg_hdr.msg_iovlen = 1;
-    }
-    const int sent = ::sendmmsg(socket_.get(), messages_.data(), static_cast<unsigned>(frames.size()), MSG_DONTWAIT);
-    if (sent < 0) note_failure(errno);
+  std::span<const char> write(std::size_t k, const Frame& frame) noexcept override {
+    frames_[k] = to_kernel(frame);
+    return {reinterpret_cast<const char*>(&frames_[k]), sizeof frames_[k]};
+  }
+
+  std::size_t flush(std::size_t count) noexcept override {
+    const int sent = outgoing_.send(socket_.get(), count);
+    if (sent < 0) note_failure(-sent);
     return sent > 0 ? static_cast<std::size_t>(sent) : 0;
   }
 
-  /// False for echoes that nobody wants.
-  bool read(std::size_t k, Received& into) noexcept {
-    const std::span<const char> payload = batch_.payload(k);
+  bool read(std::size_t k, Received& into) noexcept override {
+    const std::span<const char> payload = incoming_.payload(k);
     if (payload.size() != CAN_MTU) return false;
     can_frame frame{};
     std::memcpy(&frame, payload.data(), sizeof frame);
-    const bool own = (batch_.flags(k) & MSG_CONFIRM) != 0;
+    const bool own = (incoming_.flags(k) & MSG_CONFIRM) != 0;
     if (own) ++counters_.echoed;
     if (own && !echo_) return false;
     if (!own) ++counters_.received;
-    into = {from_kernel(frame), batch_.time_ns(k), own};
+    into = {from_kernel(frame), incoming_.time_ns(k), own};
     return true;
   }
 
-  void note_failure(int error) noexcept {
+  void note_failure(int error) noexcept override {
     if (error == ENETDOWN) link_ = Link::Down;
     if (error == ENODEV || error == ENXIO || error == EADDRNOTAVAIL) link_ = Link::Gone;
   }
@@ -181,7 +153,7 @@ class SocketCanPort final : public Port {
   void drop_received() noexcept {
     Received ignored;
     for (int round = 0; round < kMostRounds; ++round) {
-      const int arrived = batch_.receive(socket_.get(), ReceiveBatch::kSlots);
+      const int arrived = incoming_.receive(socket_.get(), ReceiveBatch::kSlots);
       for (int k = 0; k < arrived; ++k) read(static_cast<std::size_t>(k), ignored);
       if (arrived == 0) return;  // a failure is the word that the interface went off; frames may be left behind it
     }
@@ -191,13 +163,8 @@ class SocketCanPort final : public Port {
   std::vector<can_filter> filters_;
   bool echo_;
   Descriptor socket_;
-  ReceiveBatch batch_;
-  std::array<can_frame, kBatch> frames_{};
-  std::array<iovec, kBatch> vectors_{};
-  std::array<mmsghdr, kBatch> messages_{};
-  PortCounters counters_;
+  std::array<can_frame, SendBatch::kSlots> frames_{};
   std::uint64_t purged_ = 0;
-  Link link_ = Link::Up;
 };
 
 }  // namespace

@@ -11,16 +11,15 @@
 #include <stdexcept>
 #include <string>
 
-#include "host/bridge/can/batch.hpp"
 #include "host/bridge/can/descriptor.hpp"
 #include "host/bridge/can/filter.hpp"
+#include "host/bridge/can/socket_port.hpp"
 #include "host/bridge/can/udp_datagram.hpp"
 
 namespace glenoid::can {
 namespace {
 
 constexpr std::uint16_t kDefaultPort = 43113;  // python-can's
-constexpr int kMostRounds = 32;  // recvmmsg calls of one receive(): a flood of foreign datagrams must not hold it
 
 sockaddr_in parse(std::string_view address) {
   const std::size_t colon = address.find(':');
@@ -85,7 +84,7 @@ double wall_clock_s() noexcept {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-class UdpPort final : public Port {
+class UdpPort final : public SocketPort {
  public:
   UdpPort(const sockaddr_in& group, const PortOptions& options)
       : filters_(options.filters),
@@ -94,69 +93,37 @@ class UdpPort final : public Port {
         sender_(open_sender(group)),
         own_(address_of(sender_)) {}
 
-  std::size_t send(std::span<const Frame> frames) noexcept override {
-    std::size_t taken = 0;
-    while (taken < frames.size()) {
-      const std::size_t count = std::min(frames.size() - taken, kBatch);
-      const std::size_t done = send_batch(frames.subspan(taken, count));
-      taken += done;
-      if (done < count) break;
-    }
-    counters_.sent += taken;
-    counters_.refused += frames.size() - taken;
-    return taken;
-  }
-
-  std::size_t receive(std::span<Received> into) noexcept override {
-    std::size_t count = 0;
-    for (int round = 0; round < kMostRounds && count < into.size(); ++round) {
-      const std::size_t most = std::min(into.size() - count, ReceiveBatch::kSlots);
-      const int arrived = batch_.receive(receiver_.get(), most);
-      for (int k = 0; k < arrived; ++k) count += read(static_cast<std::size_t>(k), into[count]) ? 1u : 0u;
-      if (arrived < static_cast<int>(most)) break;
-    }
-    counters_.overruns = batch_.dropped();
-    return count;
-  }
-
   [[nodiscard]] std::size_t outstanding() const noexcept override { return 0; }
   bool purge() noexcept override { return true; }
-  [[nodiscard]] Link link() const noexcept override { return link_; }
-  [[nodiscard]] PortCounters counters() const noexcept override { return counters_; }
   [[nodiscard]] int descriptor() const noexcept override { return receiver_.get(); }
 
  private:
-  static constexpr std::size_t kBatch = 32;
+  std::span<const char> write(std::size_t k, const Frame& frame) noexcept override {
+    return encoders_[k].encode(frame, wall_clock_s());
+  }
 
-  std::size_t send_batch(std::span<const Frame> frames) noexcept {
-    const double time_s = wall_clock_s();
-    for (std::size_t k = 0; k < frames.size(); ++k) {
-      const std::span<const char> datagram = encoders_[k].encode(frames[k], time_s);
-      vectors_[k] = {const_cast<char*>(datagram.data()), datagram.size()};
-      messages_[k] = {};
-      messages_[k].msg_hdr.msg_iov = &vectors_[k];
-      messages_[k].msg_hdr.msg_iovlen = 1;
-    }
-    const int sent = ::sendmmsg(sender_.get(), messages_.data(), static_cast<unsigned>(frames.size()), MSG_DONTWAIT);
+  std::size_t flush(std::size_t count) noexcept override {
+    const int sent = outgoing_.send(sender_.get(), count);
     if (sent >= 0) {
       link_ = Link::Up;
       return static_cast<std::size_t>(sent);
     }
-    if (errno != EAGAIN && errno != ENOBUFS && errno != EINTR) link_ = Link::Down;
+    if (sent != -EAGAIN && sent != -ENOBUFS && sent != -EINTR) link_ = Link::Down;
     return 0;
   }
 
-  /// False where the datagram is not for us.
-  bool read(std::size_t k, Received& into) noexcept {
-    const sockaddr_in& source = batch_.source(k);
-    if ((batch_.flags(k) & MSG_TRUNC) != 0 || source.sin_addr.s_addr != own_.sin_addr.s_addr) return false;
-    const std::optional<Frame> frame = decoder_.decode(batch_.payload(k));
+  void note_failure(int) noexcept override {}  // of reception: a socket without connection has none that lasts
+
+  bool read(std::size_t k, Received& into) noexcept override {
+    const sockaddr_in& source = incoming_.source(k);
+    if ((incoming_.flags(k) & MSG_TRUNC) != 0 || source.sin_addr.s_addr != own_.sin_addr.s_addr) return false;
+    const std::optional<Frame> frame = decoder_.decode(incoming_.payload(k));
     if (!frame) return false;
     const bool own = source.sin_port == own_.sin_port;
     if (own) ++counters_.echoed;
     if ((own && !echo_) || !passes(filters_, *frame)) return false;
     if (!own) ++counters_.received;
-    into = {*frame, batch_.time_ns(k), own};
+    into = {*frame, incoming_.time_ns(k), own};
     return true;
   }
 
@@ -164,13 +131,8 @@ class UdpPort final : public Port {
   bool echo_;
   Descriptor receiver_, sender_;
   sockaddr_in own_;
-  ReceiveBatch batch_;
   DatagramDecoder decoder_;
-  std::array<DatagramEncoder, kBatch> encoders_;
-  std::array<iovec, kBatch> vectors_{};
-  std::array<mmsghdr, kBatch> messages_{};
-  PortCounters counters_;
-  Link link_ = Link::Up;
+  std::array<DatagramEncoder, SendBatch::kSlots> encoders_;
 };
 
 }  // namespace
