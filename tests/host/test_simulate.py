@@ -89,6 +89,13 @@ def test_command_writes_and_compares(run, tmp_path):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.parametrize("options", [("--timing", "MinimumJerkHoming"), ("--axial-factor", "2"), ("--gain", "0.5")])
+def test_options_that_plan_has_reach_the_fmu_too(run, options):
+    plain, changed = (run("simulate", *more, "--json").json for more in ((), options))
+    assert changed["largest_difference_from_core_rad"] == 0.0
+    assert changed["q_rad"] != plain["q_rad"]
+
+
 def test_refused_target_is_a_negative_verdict(run):
     done = run("simulate", "--target-m", "2,2,2", "--json")
     assert done.code == 1

@@ -178,6 +178,13 @@ def merged(base: Mapping[str, Any], extra: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in out.items() if not (isinstance(value, dict) and not value)}
 
 
+def laid_over(base: Mapping[str, Any], extra: Mapping[str, Any]) -> dict[str, Any]:
+    """Keys of a reach over others; a start posture replaces one in the other unit."""
+    starts = [key for key in ("start_q_deg", "start_q_rad") if extra.get(key) is not None]
+    kept = {key: value for key, value in base.items() if not (starts and key.startswith("start_q_"))}
+    return merged(kept, extra)
+
+
 def build_reach(data: Mapping[str, Any], origin: str) -> ReachInput:
     """A checked reach; InputError names `origin`."""
     try:

@@ -18,9 +18,6 @@ from glenoid.parameters import device_parameters, numbered, subject_lacks, subje
 from glenoid.reach import Array
 from glenoid.settings import make_generator, mirrored_if_left
 
-RHYTHM_NUMBER = {"Fixed": 1, "SoltaniZarrin2017": 2, "Measured": 3}
-SWIVEL_NUMBER = {"MinimumEnergy": 1, "Prescribed": 2, "HumanPrior": 3}
-TIMING_NUMBER = {"MinimumJerkRiemannian": 1, "MinimumJerkHand": 2, "MinimumJerkHoming": 3}
 VECTORS = {
     "q_rad": ("q", 4),
     "dq_rad_per_s": ("dq", 4),
@@ -87,15 +84,15 @@ def start_values(reach: ReachInput, shift: Array, device: Device | None = None) 
     if device is not None:
         require_side(device, reach.subject.arm)
     values: dict[str, Any] = {
-        "rhythm.model": RHYTHM_NUMBER[reach.rhythm.model],
+        "rhythm.model": _core.RhythmModel[reach.rhythm.model].value,
         "rhythm.gain": reach.rhythm.gain,
         "rhythm.smoothing": reach.rhythm.smoothing_rad,
         "metric.movingShoulder": reach.metric == "movingShoulder",
         "metric.axialFactor": reach.axial_factor,
-        "swivel.mode": SWIVEL_NUMBER[reach.swivel.mode],
+        "swivel.mode": _core.SwivelMode[reach.swivel.mode].value,
         "swivel.prescribed": reach.swivel.prescribed_rad,
         "motion.duration": reach.duration_s,
-        "motion.timing": TIMING_NUMBER[reach.timing],
+        "motion.timing": _core.TimingLaw[reach.timing].value,
     }
     values |= subject_parameters(reach.subject) | (device_parameters(device) if device is not None else {})
     return values | numbered("start.q", reach.start_rad) | numbered("target", np.array(reach.target_m) - shift)

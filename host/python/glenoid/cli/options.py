@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from glenoid.inputs import InputError, ReachInput, build_reach, load_subject, merged, read_mapping
+from glenoid.inputs import InputError, ReachInput, build_reach, laid_over, load_subject, merged, read_mapping
 
 ReachFile = Annotated[Path | None, typer.Argument(help="Reach as YAML (host/examples); options go over it.")]
 SubjectFile = Annotated[Path | None, typer.Option("--subject", help="Subject as YAML (host/subjects).")]
@@ -68,42 +71,33 @@ def limit_ranges(entries: list[str] | None) -> dict[str, Any]:
     return ranges
 
 
-def assemble(
-    reach: Path | None,
-    subject: Path | None,
-    limits: list[str] | None,
-    options: dict[str, Any],
-) -> ReachInput:
+@dataclass(frozen=True)
+class Asked:
+    """What the options of a reach describe together."""
+
+    reach: ReachInput
+    subject_file: Path | None
+
+
+def asked(
+    reach: ReachFile = None,
+    subject: SubjectFile = None,
+    start_deg: StartDeg = None,
+    start_rad: StartRad = None,
+    target: Target = None,
+    duration: Duration = None,
+    rhythm: Rhythm = None,
+    gain: Gain = None,
+    smoothing: Smoothing = None,
+    metric: Metric = None,
+    axial_factor: AxialFactor = None,
+    swivel: Swivel = None,
+    swivel_rad: SwivelRad = None,
+    timing: Timing = None,
+    limits: Limits = None,
+) -> Asked:
     """The reach of a file, with a subject's file over its subject, and options over both."""
-    data = read_mapping(reach) if reach is not None else {}
-    origin = str(reach) if reach is not None else "command line"
-    build_reach(data, origin)
-    if subject is not None:
-        person = load_subject(subject)
-        data = merged(data, {"subject": person.model_dump(include=person.model_fields_set)})
-    if {"start_q_deg", "start_q_rad"} & {key for key, value in options.items() if value is not None}:
-        data = {key: value for key, value in data.items() if not key.startswith("start_q_")}
-    data = merged(data, options | {"subject": {"limits_deg": limit_ranges(limits)}})
-    return build_reach(data, f"{origin} with options" if reach is not None else origin)
-
-
-def reach_options(
-    *,
-    start_deg: str | None,
-    start_rad: str | None,
-    target: str | None,
-    duration: float | None,
-    rhythm: str | None,
-    gain: float | None,
-    smoothing: float | None,
-    metric: str | None,
-    swivel: str | None,
-    swivel_rad: float | None,
-    timing: str | None = None,
-    axial_factor: float | None = None,
-) -> dict[str, Any]:
-    """Options as the keys of a reach file; None where not given."""
-    return {
+    options = {
         "start_q_deg": numbers(start_deg, 4, "--start-q-deg"),
         "start_q_rad": numbers(start_rad, 4, "--start-q-rad"),
         "target_m": numbers(target, 3, "--target-m"),
@@ -113,4 +107,27 @@ def reach_options(
         "swivel": {"mode": swivel, "prescribed_rad": swivel_rad},
         "axial_factor": axial_factor,
         "timing": timing,
+        "subject": {"limits_deg": limit_ranges(limits)},
     }
+    data = read_mapping(reach) if reach is not None else {}
+    origin = str(reach) if reach is not None else "command line"
+    build_reach(data, origin)
+    if subject is not None:
+        person = load_subject(subject)
+        data = merged(data, {"subject": person.model_dump(include=person.model_fields_set)})
+    given = build_reach(laid_over(data, options), f"{origin} with options" if reach is not None else origin)
+    return Asked(given, subject)
+
+
+def of_a_reach(command: Callable[..., None]) -> Callable[..., None]:
+    """Puts the options of a reach before those of a command, whose first argument becomes what they describe."""
+    shared = inspect.signature(asked, eval_str=True).parameters
+    _, *own = inspect.signature(command, eval_str=True).parameters.values()
+
+    def with_options(**values: Any) -> None:
+        described = asked(**{name: values.pop(name) for name in shared})
+        command(described, **values)
+
+    with_options.__name__, with_options.__doc__ = command.__name__, command.__doc__
+    with_options.__signature__ = inspect.Signature([*shared.values(), *own])  # type: ignore[attr-defined]
+    return with_options

@@ -21,22 +21,9 @@ from glenoid.report import print_reach
 from glenoid.tables import device_columns, motion_columns, reach_to_json, to_text, write_csv
 
 
+@opt.of_a_reach
 def plan(
-    reach: opt.ReachFile = None,
-    subject: opt.SubjectFile = None,
-    start_deg: opt.StartDeg = None,
-    start_rad: opt.StartRad = None,
-    target: opt.Target = None,
-    duration: opt.Duration = None,
-    rhythm: opt.Rhythm = None,
-    gain: opt.Gain = None,
-    smoothing: opt.Smoothing = None,
-    metric: opt.Metric = None,
-    axial_factor: opt.AxialFactor = None,
-    swivel: opt.Swivel = None,
-    swivel_rad: opt.SwivelRad = None,
-    timing: opt.Timing = None,
-    limits: opt.Limits = None,
+    asked: opt.Asked,
     exo: opt.ExoName = None,
     rate_hz: Annotated[float, typer.Option("--rate-hz", min=1.0, max=1e5, help="Samples per second.")] = 100.0,
     check: Annotated[bool, typer.Option("--verify", help="Shoot the path with CVODE; exit 1 if it misses.")] = False,
@@ -51,25 +38,7 @@ def plan(
 
     Example: glenoid plan host/examples/reach_to_head.yaml --exo generic_75_75 --verify --plot reach.png
     """
-    given = opt.assemble(
-        reach,
-        subject,
-        limits,
-        opt.reach_options(
-            start_deg=start_deg,
-            start_rad=start_rad,
-            target=target,
-            duration=duration,
-            rhythm=rhythm,
-            gain=gain,
-            smoothing=smoothing,
-            metric=metric,
-            axial_factor=axial_factor,
-            swivel=swivel,
-            swivel_rad=swivel_rad,
-            timing=timing,
-        ),
-    )
+    given = asked.reach
     if batch is not None:
         plan_batch(batch, given, exo, check or csv is not None or plot is not None)
         return
@@ -80,7 +49,7 @@ def plan(
         data = reach_to_json(planned, verification) | {"subject": {"scaling": scaling_report(given.subject)}}
         print(to_text(data | ({"exo": device_motion_to_json(planned, motion)} if motion is not None else {})))
     else:
-        print_everything(planned, verification, motion, subject is not None)
+        print_everything(planned, verification, motion, asked.subject_file is not None)
     if not planned.ok or (verification is not None and not verification.passed):
         raise typer.Exit(1)
 

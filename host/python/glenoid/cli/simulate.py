@@ -36,20 +36,9 @@ NAMES = (
 )
 
 
+@opt.of_a_reach
 def simulate(
-    reach: opt.ReachFile = None,
-    subject: opt.SubjectFile = None,
-    start_deg: opt.StartDeg = None,
-    start_rad: opt.StartRad = None,
-    target: opt.Target = None,
-    duration: opt.Duration = None,
-    rhythm: opt.Rhythm = None,
-    gain: opt.Gain = None,
-    smoothing: opt.Smoothing = None,
-    metric: opt.Metric = None,
-    swivel: opt.Swivel = None,
-    swivel_rad: opt.SwivelRad = None,
-    limits: opt.Limits = None,
+    asked: opt.Asked,
     exo: opt.ExoName = None,
     fmi: Annotated[Literal["2", "3"], typer.Option(help="Version of FMI.")] = "3",
     step_s: Annotated[float, typer.Option("--step-s", min=1e-5, help="Communication step, s.")] = 0.01,
@@ -62,19 +51,7 @@ def simulate(
 
     Example: glenoid simulate host/examples/reach_to_head.yaml --fmi 2 --csv reach.csv
     """
-    options = opt.reach_options(
-        start_deg=start_deg,
-        start_rad=start_rad,
-        target=target,
-        duration=duration,
-        rhythm=rhythm,
-        gain=gain,
-        smoothing=smoothing,
-        metric=metric,
-        swivel=swivel,
-        swivel_rad=swivel_rad,
-    )
-    given = opt.assemble(reach, subject, limits, options)
+    given = asked.reach
     device = load_device(exo) if exo is not None else None
     done = run_fmu(given, fmu_path(fmi), step_s, stop_s if stop_s is not None else given.duration_s + 0.2, device)
     difference = difference_from_core(given, done, device)

@@ -13,16 +13,9 @@ from glenoid.publisher import DEFAULT_URL, Publisher
 from glenoid.source import FmuMotion
 
 
+@opt.of_a_reach
 def source(
-    reach: opt.ReachFile = None,
-    subject: opt.SubjectFile = None,
-    start_deg: opt.StartDeg = None,
-    start_rad: opt.StartRad = None,
-    target: opt.Target = None,
-    duration: opt.Duration = None,
-    rhythm: opt.Rhythm = None,
-    swivel: opt.Swivel = None,
-    limits: opt.Limits = None,
+    asked: opt.Asked,
     exo: opt.ExoName = "generic_75_75",
     rate_hz: Rate = 500.0,
     url: Url = DEFAULT_URL,
@@ -34,19 +27,7 @@ def source(
 
     Example: glenoid source host/examples/reach_to_head.yaml --exo generic_75_75
     """
-    options = opt.reach_options(
-        start_deg=start_deg,
-        start_rad=start_rad,
-        target=target,
-        duration=duration,
-        rhythm=rhythm,
-        gain=None,
-        smoothing=None,
-        metric=None,
-        swivel=swivel,
-        swivel_rad=None,
-    )
-    given = opt.assemble(reach, subject, limits, options)
+    given = asked.reach
     planned, _ = plan_with_device(given, 100.0, exo)
     if not planned.ok:
         raise InputError(f"REFUSED  {describe_refusal(planned)}")
