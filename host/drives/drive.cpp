@@ -173,9 +173,9 @@ void Drive::inject(const Fault& fault, std::int64_t now_ns, Outbox& out) noexcep
   parts_->inject(fault, now_ns, out);
 }
 
-void Drive::set_load(double torque_Nm, double inertia_kg_m2) noexcept {
-  parts_->motion.servo().load(torque_Nm, inertia_kg_m2);
-}
+void Drive::set_load(const JointLoad& load) noexcept { parts_->motion.servo().load(load); }
+
+JointState Drive::joint_state() const noexcept { return parts_->motion.servo().state(); }
 
 std::uint8_t Drive::node() const noexcept { return parts_->placement.node; }
 

@@ -7,6 +7,7 @@
 
 #include "host/bridge/can/frame.hpp"
 #include "host/drives/fault.hpp"
+#include "host/drives/load.hpp"
 #include "host/drives/outbox.hpp"
 #include "host/drives/profile.hpp"
 
@@ -83,8 +84,10 @@ class Drive {
   /// Injects a fault, as a write to 2F00h does. `Kind::None` ends the one that runs.
   void inject(const Fault& fault, std::int64_t now_ns, Outbox& out) noexcept;
 
-  /// A load the arm puts on the joint: torque and inertia beside the drive's own. Holds until set again.
-  void set_load(double torque_Nm, double inertia_kg_m2) noexcept;
+  /// A load on the joint: torque and inertia beside the drive's own. Holds until set again.
+  void set_load(const JointLoad& load) noexcept;
+  /// The joint as a load sees it.
+  [[nodiscard]] JointState joint_state() const noexcept;
 
   [[nodiscard]] std::uint8_t node() const noexcept;
   [[nodiscard]] double counts_per_rad() const noexcept;

@@ -4,11 +4,13 @@
 #include <array>
 #include <stdexcept>
 #include <string>
+#include <utility>
+
+#include "host/drives/servo.hpp"
 
 namespace glenoid::drives {
 namespace {
 
-constexpr std::size_t kMostDrives = 16;
 constexpr std::size_t kBatch = 64;
 constexpr std::uint32_t kSync = 0x80;
 
@@ -40,8 +42,32 @@ DriveGroup::DriveGroup(can::Port& port, std::vector<Drive> drives, std::vector<S
                    [](const ScheduledFault& a, const ScheduledFault& b) { return a.at_ns < b.at_ns; });
 }
 
+void DriveGroup::carry(std::unique_ptr<Load> load) {
+  if (load && load->joints() != drives_.size()) {
+    throw std::invalid_argument("load of " + std::to_string(load->joints()) + " joints on " +
+                                std::to_string(drives_.size()) + " drives");
+  }
+  load_ = std::move(load);
+}
+
+/// Lets time pass for the coupled joints, a servo step at a time.
+void DriveGroup::move_load() noexcept {
+  if (!load_) return;
+  std::array<JointState, kMostDrives> states;
+  std::array<JointLoad, kMostDrives> loads;
+  while (now_ns_ - load_ns_ >= kServoStep_ns) {
+    load_ns_ += kServoStep_ns;
+    for (std::size_t k = 0; k < drives_.size(); ++k) {
+      drives_[k].advance(load_ns_, outbox_);
+      states[k] = drives_[k].joint_state();
+    }
+    load_->act(std::span(states).first(drives_.size()), std::span(loads).first(drives_.size()));
+    for (std::size_t k = 0; k < drives_.size(); ++k) drives_[k].set_load(loads[k]);
+  }
+}
+
 void DriveGroup::step(std::int64_t now_ns) noexcept {
-  if (begin_ns_ < 0) begin_ns_ = now_ns_ = now_ns;
+  if (begin_ns_ < 0) begin_ns_ = now_ns_ = load_ns_ = now_ns;
   ++counters_.steps;
   std::array<can::Received, kBatch> batch;
   for (std::size_t count = kBatch; count == kBatch;) {
@@ -55,12 +81,14 @@ void DriveGroup::step(std::int64_t now_ns) noexcept {
   }
   now_ns_ = std::max(now_ns_, now_ns);
   run_schedule();
+  move_load();
   for (Drive& drive : drives_) drive.advance(now_ns_, outbox_);
   flush();
 }
 
 void DriveGroup::deliver(const can::Received& received, bool later_sync_waits) noexcept {
   run_schedule();
+  move_load();
   const bool sync = is_sync(received);
   const std::uint64_t due = sync ? answers_due(drives_) : 0;
   for (Drive& drive : drives_) drive.receive(received.frame, now_ns_, outbox_);

@@ -2,7 +2,9 @@
 
 // Up to sixteen drives on one bus.
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -11,6 +13,8 @@
 #include "host/drives/outbox.hpp"
 
 namespace glenoid::drives {
+
+inline constexpr std::size_t kMostDrives = 16;
 
 /// A fault at a time after the first step.
 struct ScheduledFault {
@@ -34,6 +38,10 @@ class DriveGroup {
   /// @throws std::invalid_argument for none or more than 16 drives, or two of the same node.
   DriveGroup(can::Port& port, std::vector<Drive> drives, std::vector<ScheduledFault> schedule = {});
 
+  /// Couples the drives by a load, joint k of it being drive k; drives without one pay nothing for it.
+  /// @throws std::invalid_argument  the load has another number of joints
+  void carry(std::unique_ptr<Load> load);
+
   /// Hands the frames that have arrived to every drive, lets time pass until `now_ns` and sends the answers.
   /// Frames take effect at the port's reception time, no later than `now_ns`.
   void step(std::int64_t now_ns) noexcept;
@@ -45,6 +53,7 @@ class DriveGroup {
  private:
   void deliver(const can::Received& received, bool later_sync_waits) noexcept;
   void run_schedule() noexcept;
+  void move_load() noexcept;
   void flush() noexcept;
 
   can::Port* port_;
@@ -53,6 +62,8 @@ class DriveGroup {
   std::size_t next_fault_ = 0;
   std::int64_t begin_ns_ = -1;
   std::int64_t now_ns_ = 0;
+  std::unique_ptr<Load> load_;
+  std::int64_t load_ns_ = 0;  // up to when the joints and their load have moved together
   Outbox outbox_;
   GroupCounters counters_;
 };

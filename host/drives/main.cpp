@@ -19,6 +19,7 @@
 #include "host/drives/eds.hpp"
 #include "host/drives/options.hpp"
 #include "host/drives/report.hpp"
+#include "host/load/load_file.hpp"
 
 namespace glenoid::drives {
 namespace {
@@ -84,10 +85,13 @@ int main_of(int argc, char** argv) {
     write_text(options.eds, electronic_data_sheet(options.profiles.front()));
     return 0;
   }
+  std::unique_ptr<Load> load;
+  if (!options.load.empty()) load = load::make_load(load::read_load_file(options.load), options.nodes);
   can::PortOptions port_options;
   port_options.echo = false;
   const auto port = can::open_port(options.bus, port_options);
   DriveGroup group(*port, make_drives(options), options.faults);
+  if (load) group.carry(std::move(load));
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
   if (options.realtime) become_realtime();

@@ -13,7 +13,6 @@ constexpr std::uint16_t kVoltage = 1U << 4U, kWarning = 1U << 7U, kTargetReached
                         kInternalLimit = 1U << 11U, kFollows = 1U << 12U, kFollowingError = 1U << 13U;
 constexpr std::int64_t kWindowOff = 0xFFFFFFFF;
 constexpr std::uint16_t kFollowingErrorCode = 0x8611;
-constexpr std::int64_t kServoStep_ns = 250'000;
 constexpr double kNs = 1e-9;
 
 StopOptions stop_options(const Dictionary& objects) noexcept {

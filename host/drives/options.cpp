@@ -121,6 +121,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   app.add_option("--fault", faults,
                  "node=3,at=2.5,kind=emcy[,amount=N][,ms=N]; at in s after the start; repeatable. "
                  "Kinds: drop delay stall emcy reboot stuck-encoder bus-off jam none");
+  app.add_option("--load", options.load, "File of the arm that the drives carry (load.yaml of a rehearsal)");
   app.add_option("--seed", options.seed, "Of the frames that the fault drop loses")->capture_default_str();
   app.add_option("--duration-s", options.duration_s, "End after this long, s; 0: at SIGINT or SIGTERM");
   app.add_option("--report", options.report, "Write the JSON report there instead of to standard output");

@@ -18,6 +18,7 @@ struct Options {
   std::vector<ScheduledFault> faults;
   std::uint64_t seed = 1;
   double duration_s = 0.0;  ///< 0: until SIGINT or SIGTERM
+  std::string load;         ///< file of the arm that the drives carry; empty: none
   std::string report;       ///< file; empty: standard output
   std::string eds;          ///< write this file and end
   bool realtime = false;

@@ -1,59 +1,13 @@
 #include "host/drives/profile.hpp"
 
-#include <yaml-cpp/yaml.h>
-
 #include <charconv>
-#include <cmath>
-#include <initializer_list>
 #include <stdexcept>
 #include <string_view>
 
+#include "host/drives/section.hpp"
+
 namespace glenoid::drives {
 namespace {
-
-/// One mapping of the file; remembers where it is for messages.
-class Section {
- public:
-  Section(YAML::Node node, std::string place) : node_(std::move(node)), place_(std::move(place)) {
-    if (node_ && !node_.IsMap()) fail("must be a mapping");
-  }
-
-  void allow_only(std::initializer_list<std::string_view> keys) const {
-    for (const auto& entry : node_) {
-      const auto key = entry.first.as<std::string>();
-      bool known = false;
-      for (const std::string_view allowed : keys) known = known || allowed == key;
-      if (!known) fail("unknown key " + key);
-    }
-  }
-  [[nodiscard]] Section section(const std::string& key) const { return {get(key), place_ + "." + key}; }
-  [[nodiscard]] YAML::Node get(const std::string& key) const { return node_ ? node_[key] : YAML::Node(); }
-  [[nodiscard]] const YAML::Node& node() const { return node_; }
-
-  template <class T>
-  void read(const std::string& key, T& value) const {
-    const YAML::Node found = get(key);
-    if (!found || found.IsNull()) return;
-    try {
-      value = found.as<T>();
-    } catch (const YAML::Exception&) {
-      fail(key + " = " + found.as<std::string>("?") + ": wrong type");
-    }
-  }
-  void read_positive(const std::string& key, double& value) const {
-    read(key, value);
-    if (!std::isfinite(value) || value <= 0.0) fail(key + " = " + std::to_string(value) + ": must be above 0");
-  }
-  void read_not_negative(const std::string& key, double& value) const {
-    read(key, value);
-    if (!std::isfinite(value) || value < 0.0) fail(key + " = " + std::to_string(value) + ": must not be negative");
-  }
-  [[noreturn]] void fail(const std::string& what) const { throw std::invalid_argument(place_ + ": " + what); }
-
- private:
-  YAML::Node node_;
-  std::string place_;
-};
 
 /// "6007h" or "1400h:05"; without a sub-index `whole`.
 Address parse_address(const Section& section, const std::string& text, std::uint8_t whole) {
@@ -135,14 +89,6 @@ Profile read_profile(const Section& file) {
 
 }  // namespace
 
-Profile load_profile(const std::filesystem::path& file) {
-  YAML::Node root;
-  try {
-    root = YAML::LoadFile(file.string());
-  } catch (const YAML::Exception& error) {
-    throw std::invalid_argument(file.string() + ": " + error.what());
-  }
-  return read_profile(Section(root, file.filename().string()));
-}
+Profile load_profile(const std::filesystem::path& file) { return read_profile(read_yaml(file)); }
 
 }  // namespace glenoid::drives

@@ -70,9 +70,15 @@ void Servo::enable() noexcept {
   integral_ = 0.0;
 }
 
-void Servo::load(double torque_Nm, double inertia_kg_m2) noexcept {
-  load_torque_ = torque_Nm;
-  load_inertia_ = inertia_kg_m2;
+/// Friction torque over velocity at the present velocity.
+double Servo::friction_Nm_s_per_rad() const noexcept {
+  return mechanics_.viscous_friction_Nm_s_per_rad +
+         mechanics_.coulomb_friction_Nm /
+             std::sqrt(velocity_ * velocity_ + kCoulombSmoothing_rad_per_s * kCoulombSmoothing_rad_per_s);
+}
+
+JointState Servo::state() const noexcept {
+  return {position_, velocity_, torque_ - friction_Nm_s_per_rad() * velocity_, mechanics_.inertia_kg_m2, held()};
 }
 
 double Servo::control(double position_ref, double velocity_ref, double torque_offset, double step_s) noexcept {
@@ -96,16 +102,13 @@ void Servo::measure(double step_s) noexcept {
 void Servo::step(double position_ref, double velocity_ref, double torque_offset, double step_s) noexcept {
   torque_ = powered_ ? control(position_ref, velocity_ref, torque_offset, step_s) : 0.0;
   saturated_ = powered_ && saturated_;
-  if (jammed_ || (!powered_ && mechanics_.brake)) {
+  if (held()) {
     velocity_ = 0.0;
   } else {
     // Friction is taken at the end of the step, so it can stop the joint but never push it.
-    const double inertia = mechanics_.inertia_kg_m2 + load_inertia_;
-    const double friction = mechanics_.viscous_friction_Nm_s_per_rad +
-                            mechanics_.coulomb_friction_Nm /
-                                std::sqrt(velocity_ * velocity_ +
-                                          kCoulombSmoothing_rad_per_s * kCoulombSmoothing_rad_per_s);
-    velocity_ = (velocity_ + step_s * (torque_ + load_torque_) / inertia) / (1.0 + step_s * friction / inertia);
+    const double inertia = mechanics_.inertia_kg_m2 + load_.inertia_kg_m2;
+    const double damping = 1.0 + step_s * friction_Nm_s_per_rad() / inertia;
+    velocity_ = (velocity_ + step_s * (torque_ + load_.torque_Nm) / inertia) / damping;
   }
   position_ += velocity_ * step_s;
   measure(step_s);

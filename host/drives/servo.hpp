@@ -2,12 +2,14 @@
 
 #include <cstdint>
 
+#include "host/drives/load.hpp"
 #include "host/drives/profile.hpp"
 
 namespace glenoid::drives {
 
 /// Step of the motor model and its controllers, s.
 inline constexpr double kServoStep_s = 250e-6;
+inline constexpr std::int64_t kServoStep_ns = 250'000;
 
 /// Where the joint shall be: stands, goes evenly to a target, or slows down.
 class Reference {
@@ -37,7 +39,7 @@ class Reference {
 };
 
 /// Motor, gear, friction, encoder and the cascade of controllers that drives them; all at the joint, SI units.
-/// One rigid inertia; gravity is not modelled (an arm that hangs in an exoskeleton is mostly balanced by it).
+/// One rigid inertia, without gravity; what hangs on it comes as a load.
 class Servo {
  public:
   Servo(const Profile& profile, double position_rad) noexcept;
@@ -49,7 +51,7 @@ class Servo {
   void step(double position_ref, double velocity_ref, double torque_offset, double step_s) noexcept;
   /// Greatest torque, Nm.
   void limit_torque(double most_Nm) noexcept { most_torque_ = most_Nm; }
-  void load(double torque_Nm, double inertia_kg_m2) noexcept;
+  void load(const JointLoad& load) noexcept { load_ = load; }
   void stick_encoder(bool stuck) noexcept { stuck_ = stuck; }
   void jam(bool jammed) noexcept { jammed_ = jammed; }
 
@@ -57,6 +59,8 @@ class Servo {
   [[nodiscard]] double velocity() const noexcept { return velocity_; }
   [[nodiscard]] double torque() const noexcept { return torque_; }
   [[nodiscard]] bool saturated() const noexcept { return saturated_; }
+  /// Position, velocity and net torque for a load that couples several joints.
+  [[nodiscard]] JointState state() const noexcept;
   /// What the encoder says: counts, rounded down.
   [[nodiscard]] double counts() const noexcept { return counts_; }
   [[nodiscard]] double measured() const noexcept { return counts_ / counts_per_rad_; }
@@ -64,6 +68,8 @@ class Servo {
   [[nodiscard]] double measured_velocity() const noexcept { return filtered_velocity_; }
 
  private:
+  [[nodiscard]] bool held() const noexcept { return jammed_ || (!powered_ && mechanics_.brake); }
+  [[nodiscard]] double friction_Nm_s_per_rad() const noexcept;
   double control(double position_ref, double velocity_ref, double torque_offset, double step_s) noexcept;
   void measure(double step_s) noexcept;
 
@@ -74,7 +80,7 @@ class Servo {
   double counts_ = 0.0, filtered_velocity_ = 0.0;
   double torque_ = 0.0, integral_ = 0.0;
   double most_torque_;
-  double load_torque_ = 0.0, load_inertia_ = 0.0;
+  JointLoad load_;
   bool powered_ = false, saturated_ = false, stuck_ = false, jammed_ = false;
 };
 

@@ -62,7 +62,8 @@ struct Rig::Bus {
   bool purge_failed = false;
 };
 
-Rig::Rig(const bridge::Config& config, const std::vector<DriveSetup>& drives, const RigOptions& options)
+Rig::Rig(const bridge::Config& config, const std::vector<DriveSetup>& drives, const RigOptions& options,
+         std::unique_ptr<drives::Load> load)
     : config_(config),
       bridge_(config.settings),
       now_ns_(options.start_ns),
@@ -83,6 +84,10 @@ Rig::Rig(const bridge::Config& config, const std::vector<DriveSetup>& drives, co
   }
   std::vector<std::size_t> used(buses_.size(), 0);
   for (const bridge::JointSettings& joint : joints) place_.push_back(used[joint.bus]++);
+  if (!load) return;
+  if (buses_.size() != 1)
+    throw std::invalid_argument("load: the drives are on " + std::to_string(buses_.size()) + " buses, must be on one");
+  buses_.front()->group.carry(std::move(load));
 }
 
 Rig::~Rig() = default;

@@ -42,8 +42,11 @@ struct RigOptions {
 class Rig {
  public:
   /// @param drives  one per joint of the configuration
-  /// @throws std::invalid_argument  another number of drives, or a drive that the profile or configuration does not allow
-  Rig(const bridge::Config& config, const std::vector<DriveSetup>& drives, const RigOptions& options);
+  /// @param load    what couples the drives, in the drives' own directions; none: each joint is by itself
+  /// @throws std::invalid_argument  another number of drives, or a drive that the profile or configuration does not allow; a
+  ///                                load with drives on several buses
+  Rig(const bridge::Config& config, const std::vector<DriveSetup>& drives, const RigOptions& options,
+      std::unique_ptr<drives::Load> load = nullptr);
   ~Rig();
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;

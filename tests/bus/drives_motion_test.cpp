@@ -189,7 +189,7 @@ TEST(DriveLoad, AddsTorqueThatThePositionLoopHolds) {
   DriveBench bench;
   bench.prepare();
   bench.enable();
-  bench.drive.set_load(-10.0, 0.2);
+  bench.drive.set_load({-10.0, 0.2});
   for (int k = 0; k < 500; ++k) bench.cycle(0x0F, 0);
   EXPECT_NEAR(bench.drive.view().torque_Nm, 10.0, 1.0);  // Coulomb friction may carry 1 Nm of it
   EXPECT_NEAR(bench.drive.view().position_rad, 0.0, 1e-3);

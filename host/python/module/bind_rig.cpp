@@ -3,12 +3,16 @@
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "bindings.hpp"
 #include "host/bridge/core/words.hpp"
 #include "host/drives/profile.hpp"
+#include "host/load/arm_load.hpp"
 #include "host/rig/rig.hpp"
 
 namespace glenoid::python {
@@ -100,6 +104,32 @@ void bind_config(nb::module_& module) {
       .def_prop_ro("buses", &buses_of, nb::sig("def buses(self) -> list[dict[str, typing.Any]]"));
 }
 
+void make_arm_load(load::ArmLoadSettings* place, const ScaledArm& arm, const ExoSettings& exo, double girdle_length_m) {
+  load::ArmLoadSettings settings;
+  settings.upper_arm = arm.upper_arm;
+  settings.forearm = arm.forearm;
+  settings.exo = exo;
+  settings.girdle_length_m = girdle_length_m;
+  load::ArmDynamics{settings};  // refuses here what it would refuse later
+  new (place) load::ArmLoadSettings(settings);
+}
+
+void bind_load(nb::module_& module) {
+  nb::class_<load::ArmLoadSettings>(module, "ArmLoad", "The arm that couples the drives; docs/drives.md.")
+      .def("__init__", &make_arm_load, "arm"_a, "exo"_a, "girdle_length_m"_a,
+           "ValueError naming variable, value, unit and rule.")
+      .def_ro("gravity_m_per_s2", &load::ArmLoadSettings::gravity_m_per_s2);
+}
+
+/// The arm as the drives of a configuration carry it.
+std::unique_ptr<drives::Load> carried(std::optional<load::ArmLoadSettings> settings, const bridge::Config& config) {
+  if (!settings) return nullptr;
+  const auto& joints = config.settings.joints;
+  for (std::size_t j = 0; j < std::min(joints.size(), settings->joints.size()); ++j)
+    settings->joints[j] = {static_cast<double>(joints[j].sign), joints[j].offset_rad};
+  return std::make_unique<load::ArmLoad>(*settings);
+}
+
 /// The rig and what its record needs to know.
 struct PythonRig {
   bridge::Config config;
@@ -108,13 +138,14 @@ struct PythonRig {
 };
 
 void make_rig(PythonRig* place, const bridge::Config& config, const std::vector<std::string>& profiles,
-              const std::vector<double>& start_rad, std::uint64_t seed) {
+              const std::vector<double>& start_rad, std::uint64_t seed,
+              const std::optional<load::ArmLoadSettings>& load) {
   if (profiles.size() != start_rad.size()) throw std::invalid_argument("profiles and start_rad: one of each a joint");
   std::vector<rig::DriveSetup> drives;
   for (std::size_t j = 0; j < profiles.size(); ++j) drives.push_back({drives::load_profile(profiles[j]), start_rad[j]});
   rig::RigOptions options;
   options.seed = seed;
-  new (place) PythonRig{config, rig::Rig(config, drives, options), config.settings.joints.size()};
+  new (place) PythonRig{config, rig::Rig(config, drives, options, carried(load, config)), config.settings.joints.size()};
 }
 
 void play(PythonRig& own, const Integers& due_ns, const Integers& stamp_ns, const Integers& sequence,
@@ -311,7 +342,7 @@ nb::list drives_of(const PythonRig& own) {
 void bind_class(nb::module_& module) {
   const char* const columns = "dict of arrays, a row each, oldest first";
   nb::class_<PythonRig>(module, "Rig", "Bridge core and simulated drives in virtual time; docs/rehearsal.md.")
-      .def("__init__", &make_rig, "config"_a, "profiles"_a, "start_rad"_a, "seed"_a = 1)
+      .def("__init__", &make_rig, "config"_a, "profiles"_a, "start_rad"_a, "seed"_a = 1, "load"_a = nb::none())
       .def(
           "run", [](PythonRig& own, std::int64_t n) { own.rig.run(n); }, "cycles"_a,
           nb::call_guard<nb::gil_scoped_release>())
@@ -350,6 +381,7 @@ void bind_class(nb::module_& module) {
 
 void bind_rig(nb::module_& module) {
   bind_config(module);
+  bind_load(module);
   bind_class(module);
   module.def(
       "fault_words", [](int fault) { return bridge::words(static_cast<bridge::Fault>(fault)); }, "fault"_a);

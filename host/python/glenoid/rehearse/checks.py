@@ -32,6 +32,7 @@ UNITS = {
     "device_acceleration": "of the limit",
     "misalignment": "m",
     "following_error": "rad",
+    "motor_torque": "of the rated",
     "jitter": "us",
     "bus_load": "of the bus",
     "losses": "",
@@ -42,6 +43,8 @@ UNITS = {
 LEAST = ("joint_margin", "device_margin")
 #: these cannot be judged where a fault is expected to end the motion
 WHOLE = ("completed", "arrival", "losses")
+#: there may be nothing to judge
+ABSENT = ("motor_torque", "reaction")
 SYNC_ID, RPDO_ID, TPDO_ID = 0x080, 0x200, 0x180
 
 
@@ -244,6 +247,14 @@ def following_error(e: Evidence) -> Value:
     return worst(np.abs(measured[1:][both] - command[:-1][both]), e.scenario.joints)
 
 
+def motor_torque(e: Evidence) -> Value:
+    """Torque of the motors over what they are rated for."""
+    rated = np.array([joint["rated_torque_Nm"] or np.inf for joint in e.scenario.config.joints])
+    if not np.isfinite(rated).any():
+        return None, "the configuration knows no rated torque"
+    return worst(np.abs(e.record.feedback["effort_Nm"][e.in_motion]) / rated, e.scenario.joints)
+
+
 def sync_errors_us(record: Record, period_ns: int, until_ns: int) -> Array:
     """Interval of neighbouring SYNCs on the first bus less the period, us."""
     frames = record.frames
@@ -315,6 +326,7 @@ CHECKS: dict[str, Callable[[Evidence], Value]] = {
     "device_acceleration": device_acceleration,
     "misalignment": misalignment,
     "following_error": following_error,
+    "motor_torque": motor_torque,
     "jitter": jitter,
     "bus_load": bus_load,
     "losses": losses,
@@ -331,7 +343,7 @@ def judge(e: Evidence, name: str) -> Finding:
         return Finding(name, "off", None, given.limit, UNITS[name], True, why)
     value, text = CHECKS[name](e)
     if value is None:
-        absent_is_fine = name == "reaction" or e.scenario.data.expect is not None
+        absent_is_fine = name in ABSENT or e.scenario.data.expect is not None
         return Finding(name, level, None, given.limit, UNITS[name], absent_is_fine, text)
     passed = value >= given.limit if name in LEAST else value <= given.limit  # NaN passes neither
     return Finding(name, level, value, given.limit, UNITS[name], bool(passed), text)

@@ -17,6 +17,7 @@ import yaml
 
 from glenoid.inputs import InputError, read_mapping
 from glenoid.programs import program
+from glenoid.rehearse.load import load_yaml
 from glenoid.rehearse.motion import Motion
 from glenoid.rehearse.scenario import RealTimeInput, Scenario
 from glenoid.rehearse.virtual import profile_file
@@ -98,6 +99,9 @@ def drives_command(scenario: Scenario, motion: Motion, places: RealTimeInput, fo
     start = motion.samples["exo_q_rad"][0]
     if len(start) != len(joints):
         raise InputError(f"{scenario.bridge_file}: {len(joints)} joints, the exoskeleton has {len(start)}")
+    load, load_file = load_yaml(scenario, motion), folder / "load.yaml"
+    if load is not None:
+        load_file.write_text(load, encoding="utf-8")
     own = [joint["sign"] * (q - joint["offset_rad"]) for joint, q in zip(joints, start.tolist(), strict=True)]
     profiles = [f"--profile={joint['node']}={drive_profile(scenario, joint, folder)}" for joint in joints]
     return [
@@ -108,6 +112,7 @@ def drives_command(scenario: Scenario, motion: Motion, places: RealTimeInput, fo
         f"--seed={scenario.data.drives.seed}",
         f"--report={report}",
         *profiles,
+        *([f"--load={load_file}"] if load is not None else []),
         *(["--realtime"] if scenario.data.real_time.priority > 0 and may_be_realtime() else []),
     ]
 

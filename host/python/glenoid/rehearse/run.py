@@ -13,6 +13,7 @@ from typing import Any
 
 from glenoid.inputs import InputError
 from glenoid.rehearse.checks import Evidence, Finding, gather, judge_all, verdict
+from glenoid.rehearse.load import load_yaml
 from glenoid.rehearse.logs import write_candump, write_lcm_log
 from glenoid.rehearse.mcap_log import write_mcap
 from glenoid.rehearse.motion import run_source
@@ -23,7 +24,7 @@ from glenoid.rehearse.virtual import run_virtual
 
 #: what is told: stage, share of it done
 Tell = Callable[[str, float], None]
-VERDICT_FILE, REPORT, SCENARIO = "rehearsal.json", "report.html", "scenario.yaml"
+VERDICT_FILE, REPORT, SCENARIO, LOAD = "rehearsal.json", "report.html", "scenario.yaml", "load.yaml"
 MCAP, LCM_LOG, CANDUMP = "rehearsal.mcap", "lcm.log", "candump.log"
 
 
@@ -85,6 +86,9 @@ def write_folder(folder: Path, e: Evidence, findings: list[Finding], facts: dict
     tell("logs", 0.0)
     (folder / SCENARIO).write_text(scenario.resolved(), encoding="utf-8")
     (folder / BRIDGE_COPY).write_text(scenario.bridge_yaml, encoding="utf-8")
+    (folder / LOAD).unlink(missing_ok=True)
+    if (load := load_yaml(scenario, e.motion)) is not None:
+        (folder / LOAD).write_text(load, encoding="utf-8")
     write_candump(folder / CANDUMP, record, scenario)
     tell("logs", 0.3)
     write_lcm_log(folder / LCM_LOG, record, scenario)

@@ -130,6 +130,7 @@ class DrivesInput(Strict):
     """Simulated drives."""
 
     profile: str = "nominal"
+    load: Literal["none", "arm"] = Field(default="none", description="arm: of the subject, in the exoskeleton")
     seed: Annotated[int, Field(ge=1, lt=2**31)] = 1
 
 
@@ -235,6 +236,7 @@ class ChecksInput(Strict):
     device_acceleration: CheckInput = check("error", 0.95)
     misalignment: CheckInput = check("error", 0.005)
     following_error: CheckInput = check("error", 0.05)
+    motor_torque: CheckInput = check("error", 1.0)
     jitter: CheckInput = check("error", 500.0)
     bus_load: CheckInput = check("error", 0.8)
     losses: CheckInput = check("error", 0.0)

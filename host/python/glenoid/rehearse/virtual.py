@@ -9,6 +9,7 @@ from glenoid import _core
 from glenoid.inputs import InputError
 from glenoid.lcm_types import command_v1_t
 from glenoid.publisher import STATES
+from glenoid.rehearse.load import arm_load
 from glenoid.rehearse.motion import Motion
 from glenoid.rehearse.record import STATE_NUMBER, Record
 from glenoid.rehearse.scenario import FaultInput, Scenario
@@ -60,7 +61,11 @@ def make_rig(scenario: Scenario, motion: Motion) -> _core.Rig:
         raise InputError(f"{scenario.bridge_file}: {joints} joints, the exoskeleton has {len(start)}")
     try:
         return _core.Rig(
-            scenario.config, [str(profile_file(scenario))] * joints, start.tolist(), scenario.data.drives.seed
+            scenario.config,
+            [str(profile_file(scenario))] * joints,
+            start.tolist(),
+            scenario.data.drives.seed,
+            arm_load(scenario, motion),
         )
     except ValueError as error:
         raise InputError(f"{scenario.bridge_file}: {error}") from error
