@@ -146,10 +146,10 @@ def explain(error: ValidationError, origin: str) -> InputError:
     """The same error in one line per problem: where, key, value, rule."""
     lines = []
     for item in error.errors():
-        key = ".".join(str(part) for part in item["loc"]) or "file"
-        rule = "unknown key" if item["type"] == "extra_forbidden" else item["msg"]
+        key = "".join(f": {part}" if k == 0 else f".{part}" for k, part in enumerate(item["loc"]))
+        rule = "unknown key" if item["type"] == "extra_forbidden" else item["msg"].removeprefix("Value error, ")
         value = "" if item["type"] == "missing" else f" = {item['input']!r}"
-        lines.append(f"{origin}: {key}{value if len(value) < 120 else ''}: {rule}")
+        lines.append(f"{origin}{key}{value if len(value) < 120 else ''}: {rule}")
     return InputError("\n".join(lines))
 
 

@@ -18,6 +18,7 @@ from glenoid.cli.rehearse import rehearse
 from glenoid.cli.replay import replay
 from glenoid.cli.simulate import simulate
 from glenoid.cli.source import source
+from glenoid.cli.sweep import sweep
 from glenoid.cli.validate import validate
 from glenoid.inputs import InputError
 
@@ -29,7 +30,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
-for command in (plan, simulate, validate, rehearse, replay, source, info, demo):
+for command in (plan, simulate, sweep, validate, rehearse, replay, source, info, demo):
     app.command()(command)
 app.command(context_settings=PASS_THROUGH)(drives)
 app.command(context_settings=PASS_THROUGH)(bridge)

@@ -1,0 +1,49 @@
+"""`glenoid sweep`: a population study."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from glenoid.cli.options import AsJson
+from glenoid.inputs import InputError
+from glenoid.sweep.report import print_summary, summarise, write_rows
+from glenoid.sweep.run import run_study
+from glenoid.sweep.study import load_study
+from glenoid.tables import to_text
+
+
+def sweep(
+    study: Annotated[Path, typer.Argument(help="Study as YAML (docs/sweep.md).", metavar="FILE.yaml")],
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder of the results; default build/sweeps/NAME OF THE FILE.")
+    ] = None,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Processes; default one for each processor.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Plan many reaches: persons, tasks and devices, fixed or drawn; which are possible, and which ranges they need.
+
+    Leaves cases.csv with a row for every case and summary.json. A refused reach is a result, no error.
+
+    Example: glenoid sweep host/examples/sweep_shoulder_ranges.yaml
+    """
+    checked = load_study(study)
+    folder = out if out is not None else Path("build/sweeps") / study.stem
+    workers = jobs if jobs is not None else len(os.sched_getaffinity(0))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        summary = summarise(checked, list(write_rows(run_study(checked, workers), checked, folder / "cases.csv")))
+        (folder / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"--out: {error.filename}: {error.strerror}") from error
+    if as_json:
+        print(to_text(summary))
+    else:
+        console = Console()
+        print_summary(console, summary)
+        console.print(f"rows: {folder / 'cases.csv'}", highlight=False, soft_wrap=True)

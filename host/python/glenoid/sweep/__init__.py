@@ -1,0 +1,1 @@
+"""Population studies: many persons, tasks and devices, one row a case."""
