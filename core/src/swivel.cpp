@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kMarginTolerance = 1e-9;  // rad; rounding of an end posture that sits on a limit
 
-/// Part of an earlier path from lambda on, as a path of its own: the start of a re-planned one.
+/// Part of an earlier path from lambda on, as a sketch on the grid that a solution begins with: the start of a re-planned one.
 void remaining_path(const GeodesicPath& path, double lambda, GeodesicPath& out) {
-  constexpr int kOrder = 16;
+  constexpr int kOrder = GeodesicOptions{}.first_order;
   const Lobatto& grid = lobatto(kOrder);
   out.order = kOrder;
   out.energy = path.energy * (1.0 - lambda) * (1.0 - lambda);
@@ -23,7 +23,6 @@ void remaining_path(const GeodesicPath& path, double lambda, GeodesicPath& out) 
     const auto i = static_cast<std::size_t>(k);
     out.nodes[i] = path_posture(path, lambda + (1.0 - lambda) * grid.node[i]);
   }
-  finish_path(out);
 }
 
 }  // namespace

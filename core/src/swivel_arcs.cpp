@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace glenoid {
 namespace {
@@ -138,7 +139,7 @@ void connect(const std::array<Crossing, 2 * FeasibleSet::kMaxArcs>& crossings, i
              FeasibleSet& out) {
   if (count == 0) {
     if (feasible && out.count < FeasibleSet::kMaxArcs) {
-      out.arcs[static_cast<std::size_t>(out.count++)] = {loop, 0.0, 2.0 * kPi, true};
+      out.arcs[static_cast<std::size_t>(out.count++)] = {loop, 0.0, 2.0 * kPi, true, 0.0};
     }
     return;
   }
@@ -147,7 +148,23 @@ void connect(const std::array<Crossing, 2 * FeasibleSet::kMaxArcs>& crossings, i
     if (!a.enters || out.count >= FeasibleSet::kMaxArcs) continue;
     const Crossing& b = crossings[static_cast<std::size_t>((i + 1) % count)];
     const double turn = i + 1 == count ? 2.0 * kPi : 0.0;
-    out.arcs[static_cast<std::size_t>(out.count++)] = {loop, a.psi, b.psi + turn, false};
+    out.arcs[static_cast<std::size_t>(out.count++)] = {loop, a.psi, b.psi + turn, false, 0.5 * (a.psi + b.psi + turn)};
+  }
+}
+
+/// Sets `nearest` of the arcs from `first` on, by the samples of the ring.
+void find_nearest(const Posture& start, int first, FeasibleSet& out) {
+  for (int i = first; i < out.count; ++i) {
+    FeasibleArc& arc = out.arcs[static_cast<std::size_t>(i)];
+    double best = -std::numeric_limits<double>::infinity();
+    for (int k = 0; k < out.samples; ++k) {
+      const RingSample& s = out.ring[static_cast<std::size_t>(k)];
+      const double psi = s.psi < arc.begin ? s.psi + 2.0 * kPi : s.psi;
+      if (slack(s) < 0.0 || psi < arc.begin || psi > arc.end) continue;
+      const double trace = start.R_TU.cwiseProduct(s.posture.R_TU).sum();  // 1 + 2 cos(angle of rotation)
+      if (trace > best) best = trace, arc.nearest = psi;
+    }
+    if (arc.whole) arc.begin = arc.nearest, arc.end = arc.nearest + 2.0 * kPi;
   }
 }
 
@@ -179,7 +196,7 @@ void sample_ring(const ArmModel& arm, const Vec3& wrist, const SelfMotionLoop& l
             [](const RingSample& a, const RingSample& b) { return a.psi < b.psi; });
 }
 
-void scan_loop(const ArmModel& arm, const Vec3& wrist, int index, int ring, FeasibleSet& out) {
+void scan_loop(const ArmModel& arm, const Posture& start, const Vec3& wrist, int index, int ring, FeasibleSet& out) {
   const SelfMotionLoop& loop = out.motion.loops[static_cast<std::size_t>(index)];
   Explorer explorer{arm, wrist, loop, out};
   sample_ring(arm, wrist, loop, ring, out);
@@ -218,7 +235,9 @@ void scan_loop(const ArmModel& arm, const Vec3& wrist, int index, int ring, Feas
   }
   std::sort(crossings.begin(), crossings.begin() + count,
             [](const Crossing& a, const Crossing& b) { return a.psi < b.psi; });
+  const int first = out.count;
   connect(crossings, count, slack(out.ring[0]) >= 0.0, index, out);
+  find_nearest(start, first, out);
 }
 
 }  // namespace
@@ -230,13 +249,13 @@ void sample_loop(const ArmModel& arm, const Vec3& wrist, const SelfMotionLoop& l
   if (s.exists) s.margin = limit_margin(arm.limits, s.posture);
 }
 
-void find_feasible_arcs(const ArmModel& arm, const Vec3& wrist, FeasibleSet& out) noexcept {
+void find_feasible_arcs(const ArmModel& arm, const Posture& start, const Vec3& wrist, FeasibleSet& out) noexcept {
   find_self_motion(arm, wrist, out.motion);
   out.count = 0;
   out.best = LimitMargin{-1e3, 0, false};
-  for (int i = 0; i < out.motion.count; ++i) scan_loop(arm, wrist, i, FeasibleSet::kRing, out);
+  for (int i = 0; i < out.motion.count; ++i) scan_loop(arm, start, wrist, i, FeasibleSet::kRing, out);
   if (out.count > 0) return;
-  for (int i = 0; i < out.motion.count; ++i) scan_loop(arm, wrist, i, FeasibleSet::kFineRing, out);
+  for (int i = 0; i < out.motion.count; ++i) scan_loop(arm, start, wrist, i, FeasibleSet::kFineRing, out);
 }
 
 }  // namespace glenoid

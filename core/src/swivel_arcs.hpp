@@ -20,7 +20,8 @@ struct RingSample {
 struct FeasibleArc {
   int loop = 0;
   double begin = 0.0, end = 0.0;
-  bool whole = false;  ///< the whole loop; then begin and end are the same posture
+  bool whole = false;    ///< the whole loop; then begin and end are the same posture
+  double nearest = 0.0;  ///< on the arc, about where the upper arm is turned least from the start
 };
 
 /// All postures of a wrist target that respect the limits (docs/equations.md, S1).
@@ -43,6 +44,6 @@ void sample_loop(const ArmModel& arm, const Vec3& wrist, const SelfMotionLoop& l
 
 /// Finds every feasible arc: a ring of samples, denser where the margin jumps; edges by a bracketed root of the margin, arcs
 /// and gaps narrower than the ring's spacing by its local extrema. @alloc none
-void find_feasible_arcs(const ArmModel& arm, const Vec3& wrist, FeasibleSet& out) noexcept;
+void find_feasible_arcs(const ArmModel& arm, const Posture& start, const Vec3& wrist, FeasibleSet& out) noexcept;
 
 }  // namespace glenoid

@@ -17,6 +17,7 @@ constexpr double kRivalCellWidth = 8.0 * kPi /
                                    180.0;  // the same where the rotation is wide and two geodesics may compete
 constexpr double kRival = 0.02;            // relative energy within which a second candidate is examined
 constexpr double kWideTurn = 2.3;          // rad; beyond it cold starts are tried beside the warm one
+constexpr double kDear = 1.3;              // times the least energy: what a second geodesic does not save
 constexpr double kTangentStep = 1e-5;      // rad of psi
 constexpr double kMarginTolerance = 1e-9;  // rad; rounding of an end posture that sits on a limit
 constexpr GeodesicOptions kCoarse{std::numeric_limits<double>::infinity(), 6, 6, 1e-1};
@@ -115,7 +116,7 @@ double variation_between_nodes(const ArmModel& arm, const GeodesicPath& path) {
 
 Status SwivelSearch::prepare(const ArmModel& arm, const Posture& start, const Vec3& target, ReachPlan& out) noexcept {
   if (!finite(start) || !target.allFinite()) return Status::NotFinite;
-  find_feasible_arcs(arm, target, set_);
+  find_feasible_arcs(arm, start, target, set_);
   out.reach_margin_m = set_.motion.reach_margin_m;
   out.best_margin = set_.best;
   if (set_.motion.count == 0) return Status::TargetUnreachable;
@@ -152,10 +153,12 @@ bool SwivelSearch::sample_energy(const ArmModel& arm, const Posture& start, cons
     s.momentum = solver.end_momentum();
   }
   const bool refined = beside != nullptr && beside->psi == s.psi;  // the same posture, solved before
-  const bool wide = std::max(s.rotation, beside != nullptr ? beside->rotation : 0.0) > kWideTurn;
-  if (!ok || (!refined && (wide || c.long_way))) ok = try_cold(arm, start, options, ok, s);
+  const bool wide = std::max(s.rotation, beside != nullptr ? beside->rotation : 0.0) > kWideTurn || c.long_way;
+  const bool dear = ok && s.path.energy > kDear * least_;
+  if (!ok || (wide && !refined && !dear)) ok = try_cold(arm, start, options, ok, s);
   if (!ok) return false;
   s.energy = s.path.energy;
+  least_ = std::min(least_, s.energy);
   Posture ahead;
   double opening = s.opening;
   if (!loop_posture(arm, target, loop, s.psi + kTangentStep, opening, ahead)) return false;
@@ -164,37 +167,55 @@ bool SwivelSearch::sample_energy(const ArmModel& arm, const Posture& start, cons
   return true;
 }
 
+/// Solves the coarse energy at psi of an arc. @return the new sample, or null where there is no room or no path.
+EnergySample* SwivelSearch::add_sample(const ArmModel& arm, const Posture& start, const Vec3& target, int arc,
+                                       double psi, EnergySample* beside) {
+  if (sample_count_ == kMaxSamples) return nullptr;
+  const SelfMotionLoop& loop = loop_of(arc);
+  EnergySample& s = samples_[static_cast<std::size_t>(sample_count_)];
+  s.psi = psi;
+  s.opening = beside != nullptr ? beside->opening : 0.0;
+  bool ok = sample_energy(arm, start, target, loop, kCoarse, beside, s);
+  if (ok && contested(s)) {  // the coarse grid errs by more than rivals differ
+    coarse_ = s;
+    ok = sample_energy(arm, start, target, loop, kMedium, &coarse_, s);
+  }
+  if (!ok) return nullptr;
+  ++sample_count_;
+  return &s;
+}
+
+/// Samples from the one `beside` to the end of an arc.
+void SwivelSearch::sweep(const ArmModel& arm, const Posture& start, const Vec3& target, int arc, double end,
+                         EnergySample* beside) {
+  const FeasibleArc& a = set_.arcs[static_cast<std::size_t>(arc)];
+  double psi = a.nearest;
+  const double span = end - psi, width = span / std::max(1.0, std::ceil(std::abs(span) / kCellWidth));
+  const double narrow = std::copysign(std::min(std::abs(width), kRivalCellWidth), span);
+  while (std::abs(end - psi) > kTangentStep && sample_count_ < kMaxSamples) {
+    psi += beside != nullptr && contested(*beside) ? narrow : width;
+    if ((end - psi) * span < kTangentStep * std::abs(span)) psi = end;
+    if (EnergySample* const next = add_sample(arm, start, target, arc, psi, beside)) beside = next;
+  }
+}
+
+/// Energies along an arc, from the posture that is turned least towards both ends: the cheap ones come first, and the
+/// dear ones need not be exact.
 void SwivelSearch::sample_arc(const ArmModel& arm, const Posture& start, const Vec3& target, int arc) {
   const FeasibleArc& a = set_.arcs[static_cast<std::size_t>(arc)];
-  const SelfMotionLoop& loop = loop_of(arc);
-  const double width = (a.end - a.begin) / std::max(1.0, std::ceil((a.end - a.begin) / kCellWidth));
   const int first = sample_count_;
-  EnergySample* previous = nullptr;
-  double psi = a.begin;
-  while (sample_count_ < kMaxSamples) {
-    EnergySample& s = samples_[static_cast<std::size_t>(sample_count_)];
-    const bool last = psi > a.end - kTangentStep;
-    s.psi = last ? a.end : psi;
-    s.opening = previous != nullptr ? previous->opening : 0.0;
-    bool ok = true;
-    if (last && a.whole && previous != nullptr) {
-      s = samples_[static_cast<std::size_t>(first)];  // the loop closes
-      s.psi = a.end;
-    } else {
-      ok = sample_energy(arm, start, target, loop, kCoarse, previous, s);
-      if (ok && s.rotation > kWideRotation) {  // rivals are near, and the coarse grid errs by more than their difference
-        coarse_ = s;
-        ok = sample_energy(arm, start, target, loop, kMedium, &coarse_, s);
-      }
-    }
-    if (ok) {
-      previous = &s;
-      ++sample_count_;
-    }
-    if (last) break;
-    psi += previous != nullptr && previous->rotation > kWideRotation ? std::min(width, kRivalCellWidth) : width;
-  }
+  EnergySample* const middle = add_sample(arm, start, target, arc, a.nearest, nullptr);
+  if (!a.whole) sweep(arm, start, target, arc, a.begin, middle);
+  const int below = sample_count_;
+  sweep(arm, start, target, arc, a.end, middle);
+  for (int k = first; k < below; ++k) order_[static_cast<std::size_t>(first + below - 1 - k)] = k;
+  for (int k = below; k < sample_count_; ++k) order_[static_cast<std::size_t>(k)] = k;
   if (sample_count_ > first) find_candidates(arc, first);
+}
+
+/// Whether another geodesic to this posture may be the cheapest of all.
+bool SwivelSearch::contested(const EnergySample& s) const noexcept {
+  return s.rotation > kWideRotation && s.energy < kDear * least_;
 }
 
 void SwivelSearch::add_candidate(const Candidate& c) {
@@ -203,15 +224,15 @@ void SwivelSearch::add_candidate(const Candidate& c) {
 
 void SwivelSearch::find_candidates(int arc, int first) {
   const bool whole = set_.arcs[static_cast<std::size_t>(arc)].whole;
-  const EnergySample& begin = samples_[static_cast<std::size_t>(first)];
-  const EnergySample& end = samples_[static_cast<std::size_t>(sample_count_ - 1)];
+  const EnergySample& begin = sample(first);
+  const EnergySample& end = sample(sample_count_ - 1);
   if (!whole) {
     if (begin.slope >= 0.0) add_candidate({begin.energy, begin.psi, arc, first, first, -1});
     if (end.slope <= 0.0) add_candidate({end.energy, end.psi, arc, sample_count_ - 1, first, +1});
   }
   constexpr int kParts = 8;
   for (int i = first; i + 1 < sample_count_; ++i) {
-    const EnergySample &a = samples_[static_cast<std::size_t>(i)], &b = samples_[static_cast<std::size_t>(i + 1)];
+    const EnergySample &a = sample(i), &b = sample(i + 1);
     int best = 0;
     double least = a.energy;
     for (int k = 1; k <= kParts; ++k) {
@@ -291,8 +312,8 @@ Status SwivelSearch::refine_cell(const ArmModel& arm, const Posture& start, cons
                                  ReachPlan& out) {
   constexpr double kFirstWidth = 0.02, kLastWidth = 1e-6;  // rad of psi
   const SelfMotionLoop& loop = loop_of(c.arc);
-  low_ = samples_[static_cast<std::size_t>(c.cell)];
-  high_ = samples_[static_cast<std::size_t>(c.cell + 1)];
+  low_ = sample(c.cell);
+  high_ = sample(c.cell + 1);
   if (!narrow_cell(arm, start, target, loop, kMedium, kFirstWidth)) return Status::NoConvergence;
   const GeodesicPath& warm = *warm_start(middle_.path, kFine);
   if (refine_interior(arm, start, target, middle_.posture, warm, out) == Status::Ok) return Status::Ok;
@@ -306,7 +327,7 @@ Status SwivelSearch::refine_cell(const ArmModel& arm, const Posture& start, cons
 
 Status SwivelSearch::refine(const ArmModel& arm, const Posture& start, const Vec3& target, const Candidate& c,
                             ReachPlan& out) {
-  EnergySample& s = samples_[static_cast<std::size_t>(c.nearest)];
+  EnergySample& s = sample(c.nearest);
   const GeodesicPath& warm = *warm_start(s.path, kFine);
   if (c.edge != 0) return refine_edge(arm, start, target, c.arc, c.edge, &warm, out);
   Posture guess;
@@ -325,11 +346,10 @@ Status SwivelSearch::refine(const ArmModel& arm, const Posture& start, const Vec
 Status SwivelSearch::fall_back(const ArmModel& arm, const Posture& start, ReachPlan& out) {
   int least = -1;
   for (int i = 0; i < sample_count_; ++i) {
-    const double energy = samples_[static_cast<std::size_t>(i)].energy;
-    if (least < 0 || energy < samples_[static_cast<std::size_t>(least)].energy) least = i;
+    if (least < 0 || sample(i).energy < sample(least).energy) least = i;
   }
   if (least < 0) return Status::NoConvergence;
-  const Posture& end = samples_[static_cast<std::size_t>(least)].posture;
+  const Posture& end = sample(least).posture;
   const Status status = solver.solve(arm, start, end, kFine, nullptr, out.path, out.certificate);
   out.certificate.transversality = 1.0;  // nothing was shown about it
   return status;
@@ -337,6 +357,7 @@ Status SwivelSearch::fall_back(const ArmModel& arm, const Posture& start, ReachP
 
 Status SwivelSearch::search(const ArmModel& arm, const Posture& start, const Vec3& target, ReachPlan& out) noexcept {
   sample_count_ = candidate_count_ = 0;
+  least_ = std::numeric_limits<double>::infinity();
   for (int arc = 0; arc < set_.count; ++arc) sample_arc(arm, start, target, arc);
   auto* const begin = candidates_.data();
   std::sort(begin, begin + candidate_count_, [](const Candidate& a, const Candidate& b) { return a.energy < b.energy; });

@@ -21,8 +21,8 @@ struct Candidate {
   double energy = 0.0;  ///< estimated
   double psi = 0.0;
   int arc = 0;
-  int nearest = 0;  ///< index of the energy sample to start from
-  int cell = 0;     ///< index of the sample at the begin of its cell; interior candidates only
+  int nearest = 0;  ///< place of the energy sample to start from
+  int cell = 0;     ///< place of the sample at the begin of its cell; interior candidates only
   int edge = 0;     ///< -1 begin, +1 end, 0 interior
 };
 
@@ -44,8 +44,16 @@ class SwivelSearch {
   static constexpr int kMaxCandidates = 32;
 
   [[nodiscard]] const SelfMotionLoop& loop_of(int arc) const;
+  /// Sample by its place along the arcs.
+  EnergySample& sample(int place) {
+    return samples_[static_cast<std::size_t>(order_[static_cast<std::size_t>(place)])];
+  }
+  [[nodiscard]] bool contested(const EnergySample& sample) const noexcept;
   bool sample_energy(const ArmModel& arm, const Posture& start, const Vec3& target, const SelfMotionLoop& loop,
                      const GeodesicOptions& options, EnergySample* beside, EnergySample& sample);
+  EnergySample* add_sample(const ArmModel& arm, const Posture& start, const Vec3& target, int arc, double psi,
+                           EnergySample* beside);
+  void sweep(const ArmModel& arm, const Posture& start, const Vec3& target, int arc, double end, EnergySample* beside);
   bool try_cold(const ArmModel& arm, const Posture& start, const GeodesicOptions& options, bool solved,
                 EnergySample& sample);
   void sample_arc(const ArmModel& arm, const Posture& start, const Vec3& target, int arc);
@@ -66,7 +74,9 @@ class SwivelSearch {
 
   FeasibleSet set_;
   std::array<EnergySample, kMaxSamples> samples_;
+  std::array<int, kMaxSamples> order_;  ///< of the samples: along each arc
   int sample_count_ = 0;
+  double least_ = 0.0;  ///< energy of the cheapest sample so far
   std::array<Candidate, kMaxCandidates> candidates_;
   int candidate_count_ = 0;
   EnergySample low_, high_, middle_;  ///< bracket of a minimum inside a cell
