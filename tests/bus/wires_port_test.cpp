@@ -18,9 +18,12 @@
 #include "host/bridge/can/error_frame.hpp"
 #include "host/bridge/can/open_port.hpp"
 #include "support/allocation_guard.hpp"
+#include "support/random.hpp"
 
 namespace glenoid::can {
 namespace {
+
+namespace test = glenoid::test;
 
 using namespace std::chrono_literals;
 using Heard = std::vector<Received>;
@@ -130,6 +133,36 @@ TEST_P(Bus, StampsReceptionOnTheMonotonicClock) {
     }
   }
   EXPECT_TRUE(stamped_at_arrival);
+}
+
+TEST_P(Bus, GivesOwnAndForeignFramesInTheOrderOfTime) {
+  const auto a = open(), b = open();
+  for (const auto& [port, id] : {std::pair{&a, 1u}, {&b, 2u}, {&a, 3u}, {&b, 4u}}) {
+    (*port)->send(std::array{numbered(0x180 + id)});
+    std::this_thread::sleep_for(20ms);  // more than two readings of clocks may lie apart
+  }
+  const Heard heard = read(*a, 4);
+  ASSERT_EQ(heard.size(), 4u);
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    EXPECT_EQ(heard[k].frame.id, 0x181u + k);
+    EXPECT_EQ(heard[k].own, k % 2 == 0);
+  }
+}
+
+TEST_P(Bus, SplitsBatchesOfFramesOfAnyLength) {
+  const auto a = open(), b = open();
+  test::Random random(73);
+  std::vector<Frame> frames;
+  for (int n = 0; n < 200; ++n) {
+    const auto size = static_cast<std::uint8_t>(random.uniform(0.0, 8.99));
+    frames.push_back({.id = static_cast<std::uint32_t>(random.uniform(0.0, 2047.0)), .size = size});
+    for (std::size_t k = 0; k < size; ++k) frames.back().data[k] = static_cast<std::uint8_t>(n + static_cast<int>(k));
+    if (n % 3 == 0) frames.insert(frames.end(), 6, frames.back());  // runs of one length
+  }
+  ASSERT_EQ(a->send(frames), frames.size());
+  const Heard heard = read(*b, frames.size());
+  ASSERT_EQ(heard.size(), frames.size());
+  for (std::size_t k = 0; k < frames.size(); ++k) EXPECT_EQ(heard[k].frame, frames[k]) << k;
 }
 
 TEST_P(Bus, FiltersInFrontOfTheReader) {

@@ -1,5 +1,7 @@
 #include "host/bridge/can/batch.hpp"
 
+#include <netinet/udp.h>
+
 #include <cerrno>
 #include <cstring>
 #include <ctime>
@@ -70,6 +72,19 @@ SendBatch::SendBatch() noexcept {
     messages_[k].msg_hdr.msg_iov = &vectors_[k];
     messages_[k].msg_hdr.msg_iovlen = 1;
   }
+}
+
+void SendBatch::set(std::size_t k, std::span<const char> bytes, std::uint16_t segment) noexcept {
+  vectors_[k] = {const_cast<char*>(bytes.data()), bytes.size()};  // sendmmsg does not write there
+  msghdr& header = messages_[k].msg_hdr;
+  header.msg_control = segment != 0 ? controls_[k].bytes.data() : nullptr;
+  header.msg_controllen = segment != 0 ? controls_[k].bytes.size() : 0;
+  if (segment == 0) return;
+  cmsghdr* const control = CMSG_FIRSTHDR(&header);
+  control->cmsg_level = SOL_UDP;
+  control->cmsg_type = UDP_SEGMENT;
+  control->cmsg_len = CMSG_LEN(sizeof segment);
+  std::memcpy(CMSG_DATA(control), &segment, sizeof segment);
 }
 
 int SendBatch::send(int descriptor, std::size_t count) noexcept {

@@ -63,15 +63,18 @@ class SendBatch {
   SendBatch& operator=(const SendBatch&) = delete;
 
   /// Message `k`; its bytes are not copied and must stay until `send`.
-  void set(std::size_t k, std::span<const char> bytes) noexcept {
-    vectors_[k] = {const_cast<char*>(bytes.data()), bytes.size()};  // sendmmsg does not write there
-  }
+  /// @param segment  of a UDP socket: the kernel cuts the bytes into datagrams of this size, the last may be shorter; 0: one
+  void set(std::size_t k, std::span<const char> bytes, std::uint16_t segment = 0) noexcept;
   /// Messages 0 .. count - 1, without waiting. How many the kernel took, at least one; -errno where none.
   int send(int descriptor, std::size_t count) noexcept;
 
  private:
   std::array<mmsghdr, kSlots> messages_{};
   std::array<iovec, kSlots> vectors_{};
+  struct alignas(cmsghdr) Control {
+    std::array<char, CMSG_SPACE(sizeof(std::uint16_t))> bytes;
+  };
+  std::array<Control, kSlots> controls_{};
 };
 
 /// setsockopt for an int. False where the kernel refuses.

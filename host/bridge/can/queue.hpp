@@ -18,6 +18,7 @@ class Queue {
     return true;
   }
   /// Call only where not empty.
+  [[nodiscard]] const T& front() const noexcept { return items_[first_]; }
   T pop() noexcept {
     const T item = items_[first_];
     first_ = (first_ + 1) % items_.size();

@@ -13,7 +13,7 @@ std::size_t SocketPort::send(std::span<const Frame> frames) noexcept {
   std::size_t taken = 0;
   while (taken < frames.size()) {
     const std::size_t count = std::min(frames.size() - taken, SendBatch::kSlots);
-    for (std::size_t k = 0; k < count; ++k) outgoing_.set(k, write(k, frames[taken + k]));
+    for (std::size_t k = 0; k < count; ++k) write(k, frames[taken + k]);
     const std::size_t done = flush(count);
     taken += done;
     if (done < count) break;

@@ -19,12 +19,12 @@ class SocketPort : public Port {
   [[nodiscard]] PortCounters counters() const noexcept final { return counters_; }
 
  protected:
-  /// The bytes of `frame`, valid until slot `k` is written again.
+  /// Makes `frame` number `k` of the next flush.
   /// @param k  0 .. SendBatch::kSlots - 1
-  virtual std::span<const char> write(std::size_t k, const Frame& frame) noexcept = 0;
+  virtual void write(std::size_t k, const Frame& frame) noexcept = 0;
   /// Message `k` of the batch as a frame. False where it is none, or nobody wants it.
   virtual bool read(std::size_t k, Received& into) noexcept = 0;
-  /// Hands the first `count` messages of the batch to the kernel. How many it took; failures are noted.
+  /// Hands frames 0 .. count - 1 to the kernel. How many it took; failures are noted.
   virtual std::size_t flush(std::size_t count) noexcept = 0;
   /// Of reception, an errno.
   virtual void note_failure(int error) noexcept = 0;

@@ -112,9 +112,9 @@ class SocketCanPort final : public SocketPort {
     return ::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
   }
 
-  std::span<const char> write(std::size_t k, const Frame& frame) noexcept override {
+  void write(std::size_t k, const Frame& frame) noexcept override {
     frames_[k] = to_kernel(frame);
-    return {reinterpret_cast<const char*>(&frames_[k]), sizeof frames_[k]};
+    outgoing_.set(k, {reinterpret_cast<const char*>(&frames_[k]), sizeof frames_[k]});
   }
 
   std::size_t flush(std::size_t count) noexcept override {
