@@ -28,7 +28,7 @@ struct Arguments {
   std::string lcm_url{lcm_port::kDefaultUrl};
   bool check = false, dry_run = false, monitor = false, allow_network = false, allow_unrehearsed = false;
   bool deadman = false, no_lcm = false, quiet = false, estop_stdin = false;
-  double duration_s = 0.0;
+  double duration_s = 0.0, awake_us = 50.0;
   int priority = 80, estop_fd = -1;
 };
 
@@ -48,6 +48,8 @@ void define(CLI::App& app, Arguments& a) {
   app.add_flag("--allow-unrehearsed", a.allow_unrehearsed, "arm on a real bus without one");
   app.add_flag("--selftest-deadman", a.deadman, "fall silent on purpose; every drive must report 8130h");
   app.add_option("--priority", a.priority, "SCHED_FIFO priority, 0: ordinary scheduling")->check(CLI::Range(0, 99));
+  app.add_option("--awake-us", a.awake_us, "not slept before each SYNC (50); 0 with --priority 0")
+      ->check(CLI::Range(0.0, 200.0));
   app.add_option("--estop-fd", a.estop_fd, "descriptor: '1' releases, all else and its end press");
   app.add_flag("--estop-stdin", a.estop_stdin, "the Enter key is an emergency stop");
   app.add_flag("--quiet", a.quiet, "print warnings and errors only");
@@ -138,6 +140,7 @@ int run(const Arguments& a, const bridge::Config& config) {
   bridge::LoopOptions options;
   options.priority = a.priority;
   options.duration_s = a.duration_s;
+  options.awake_us = a.priority > 0 ? a.awake_us : 0.0;
   options.silent = a.dry_run;
   options.deadman_test = a.deadman;
   options.estop_descriptor = a.estop_stdin ? 0 : a.estop_fd;
@@ -152,6 +155,9 @@ int run(const Arguments& a, const bridge::Config& config) {
   running = loop.get();
   for (const std::string& refused : bridge::become_realtime(a.priority))
     std::fprintf(stderr, "glenoid-bridge: %s\n", refused.c_str());
+  const bridge::IdleLatency idle(a.priority > 0);
+  if (a.priority > 0 && !idle.granted())
+    std::fprintf(stderr, "glenoid-bridge: idle states stay allowed (/dev/cpu_dma_latency): wake-ups may be late\n");
   loop->run();
   running = nullptr;
   over = true;

@@ -28,7 +28,11 @@ std::vector<Row> rows(const LoopFigures& figures) {
           {"RPDO after SYNC", "rpdo_after_sync", figures.rpdo_after_sync},
           {"TPDO after SYNC", "tpdo_after_sync", figures.tpdo_after_sync},
           {"setpoint to wire", "setpoint_to_wire", figures.setpoint_to_wire},
-          {"processor time of a cycle", "cycle_cpu", figures.step_cpu}};
+          {"processor time of a cycle", "cycle_cpu", figures.cycle_cpu},
+          {"  of it awake before the SYNC", "cycle_awake", figures.awake},
+          {"  of it in the core", "cycle_core", figures.core},
+          {"  of it in the buses' ports", "cycle_port", figures.port},
+          {"  of it for messages", "cycle_lcm", figures.lcm}};
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "host/bridge/loop/estop_input.hpp"
 #include "host/bridge/loop/frame_log.hpp"
 #include "host/bridge/loop/histogram.hpp"
+#include "host/bridge/loop/realtime.hpp"
 #include "support/random.hpp"
 
 namespace glenoid::bridge::test {
@@ -37,6 +38,17 @@ TEST(BridgeHistogram, ExtremesAreCounted) {
   histogram.record(-5);
   histogram.record(INT64_MAX);
   EXPECT_EQ(histogram.count(), 2U);
+}
+
+TEST(BridgeWait, EndsNeverBeforeItsTimeAndIsAwakeAtTheEndOnly) {
+  for (const std::int64_t awake_ns : {0, 50'000, 3'000'000}) {
+    const std::int64_t until_ns = monotonic_ns() + 2'000'000;
+    const std::int64_t awake_for_ns = wait_until(until_ns, awake_ns);
+    EXPECT_GE(monotonic_ns(), until_ns);
+    if (awake_ns == 0) {
+      EXPECT_EQ(awake_for_ns, 0);
+    }
+  }
 }
 
 TEST(BridgeLog, LinesAreCandumps) {

@@ -44,10 +44,12 @@ Loop::Loop(const Config& config, std::vector<std::unique_ptr<can::Port>> ports, 
 
 void Loop::run() noexcept {
   const std::int64_t period_ns = settings_.period_ns;
+  const auto awake_ns = static_cast<std::int64_t>(1e3 * options_.awake_us);
   start_ns_ = monotonic_ns() + 10 * period_ns;
+  std::int64_t cpu_ns = thread_cpu_ns();
   for (std::int64_t number = 0;;) {
     const std::int64_t deadline_ns = start_ns_ + number * period_ns;
-    sleep_until(deadline_ns);
+    figures_.awake.record(wait_until(deadline_ns, awake_ns));
     const std::int64_t now_ns = monotonic_ns();
     const std::int64_t late_ns = now_ns - deadline_ns;
     figures_.wake_up.record(late_ns);
@@ -58,33 +60,53 @@ void Loop::run() noexcept {
       number = next;
       continue;
     }
-    const std::int64_t before_ns = thread_cpu_ns();
     cycle(number, deadline_ns);
-    figures_.step_cpu.record(thread_cpu_ns() - before_ns);
+    const std::int64_t before_ns = std::exchange(cpu_ns, thread_cpu_ns());
+    figures_.cycle_cpu.record(cpu_ns - before_ns);
     ++figures_.cycles;
     ++number;
   }
 }
 
 void Loop::cycle(std::int64_t number, std::int64_t deadline_ns) noexcept {
+  parts_ = {};
+  lap_ns_ = monotonic_ns();
   bridge_.sync(number, deadline_ns, outputs_);
+  lap(parts_.core_ns);
   transmit();
+  lap(parts_.port_ns);
   tell();
+  lap(parts_.lcm_ns);
   sleep_until(deadline_ns + static_cast<std::int64_t>(rpdo_phase_ * static_cast<double>(settings_.period_ns)));
-  const std::int64_t now_ns = monotonic_ns();
-  collect(now_ns);
+  const std::int64_t now_ns = lap_ns_ = monotonic_ns();
+  collect_frames();
+  lap(parts_.port_ns);
+  collect_messages();
+  lap(parts_.lcm_ns);
+  collect_wishes(now_ns);
   step_deadman(now_ns);
   bridge_.step(now_ns, inputs_, outputs_);
+  lap(parts_.core_ns);
   transmit();
-  const std::int64_t sent_ns = monotonic_ns();
+  lap(parts_.port_ns);
   for (const Setpoint& setpoint : inputs_.setpoints)
-    if (setpoint.session == bridge_.session() && setpoint.session != 0 && setpoint.time_ns <= sent_ns)
-      figures_.setpoint_to_wire.record(sent_ns - setpoint.time_ns);
+    if (setpoint.session == bridge_.session() && setpoint.session != 0 && setpoint.time_ns <= lap_ns_)
+      figures_.setpoint_to_wire.record(lap_ns_ - setpoint.time_ns);
   tell();
+  lap(parts_.lcm_ns);
+  figures_.core.record(parts_.core_ns);
+  figures_.port.record(parts_.port_ns);
+  figures_.lcm.record(parts_.lcm_ns);
   state_.store(bridge_.state(), std::memory_order_relaxed);
 }
 
-void Loop::collect(std::int64_t now_ns) noexcept {
+/// What passed since the last lap belongs to this part.
+void Loop::lap(std::int64_t& part_ns) noexcept {
+  const std::int64_t now_ns = monotonic_ns();
+  part_ns += now_ns - std::exchange(lap_ns_, now_ns);
+}
+
+void Loop::collect_frames() noexcept {
   for (std::size_t b = 0; b < ports_.size(); ++b) {
     const std::size_t count = ports_[b]->receive(received_[b]);
     const std::span<const can::Received> received(received_[b].data(), count);
@@ -92,6 +114,9 @@ void Loop::collect(std::int64_t now_ns) noexcept {
     inputs_.bus[b] = {received, ports_[b]->link(), ports_[b]->outstanding(), std::exchange(purge_failed_[b], false),
                       ports_[b]->counters()};
   }
+}
+
+void Loop::collect_messages() noexcept {
   std::size_t setpoints = 0, commands = 0;
   inputs_.undecodable = 0;
   if (lcm_ != nullptr) {
@@ -103,6 +128,10 @@ void Loop::collect(std::int64_t now_ns) noexcept {
   inputs_.commands = {commands_.data(), commands};
   if (commands > 0 && getrandom(&inputs_.entropy, sizeof inputs_.entropy, GRND_NONBLOCK) < 0)
     inputs_.entropy ^= realtime_ns();  // cannot happen once the machine is up
+}
+
+/// What else is asked for: emergency stop and the end.
+void Loop::collect_wishes(std::int64_t now_ns) noexcept {
   inputs_.local_estop = estop_input_.poll() | estop_.exchange(false, std::memory_order_relaxed);
   const bool over = options_.duration_s > 0.0 && 1e-9 * static_cast<double>(now_ns - start_ns_) >= options_.duration_s;
   inputs_.shutdown = over || deadman_done_ || stop_.load(std::memory_order_relaxed);

@@ -27,7 +27,11 @@ struct LoopFigures {
   Histogram rpdo_after_sync;
   Histogram tpdo_after_sync;
   Histogram setpoint_to_wire;  ///< stamp of a setpoint to the RPDOs sent next
-  Histogram step_cpu;          ///< processor time of a cycle
+  Histogram cycle_cpu;         ///< processor time from cycle to cycle, waking up and falling asleep included
+  Histogram awake;             ///< of it: awake before the SYNC
+  Histogram core;              ///< of it: in the core
+  Histogram port;              ///< of it: in the buses' ports
+  Histogram lcm;               ///< of it: between the loop and LCM's threads
   std::uint64_t cycles = 0;
   std::uint64_t late_cycles = 0;  ///< left out because the loop was late by half a period or more
 };
@@ -35,6 +39,7 @@ struct LoopFigures {
 struct LoopOptions {
   int priority = 80;        ///< SCHED_FIFO, 0: ordinary
   double duration_s = 0.0;  ///< 0: until told to stop
+  double awake_us = 0.0;    ///< not slept before each SYNC, see wait_until
   bool silent = false;      ///< sends nothing: dry run
   bool deadman_test = false;
   int estop_descriptor = -1;
@@ -74,7 +79,10 @@ class Loop {
 
  private:
   void cycle(std::int64_t number, std::int64_t deadline_ns) noexcept;
-  void collect(std::int64_t now_ns) noexcept;
+  void collect_frames() noexcept;
+  void collect_messages() noexcept;
+  void collect_wishes(std::int64_t now_ns) noexcept;
+  void lap(std::int64_t& part_ns) noexcept;
   void transmit() noexcept;
   void tell() noexcept;
   void observe(std::size_t bus, const can::Received& received) noexcept;
@@ -101,6 +109,11 @@ class Loop {
   std::array<std::int64_t, kMaxBuses> sync_seen_ns_{};
   Status status_{};
 
+  struct Parts {
+    std::int64_t core_ns = 0, port_ns = 0, lcm_ns = 0;
+  };
+  Parts parts_{};
+  std::int64_t lap_ns_ = 0;
   std::int64_t start_ns_ = 0;
   std::int64_t stop_since_ns_ = -1;
   std::int64_t deadman_since_ns_ = -1;

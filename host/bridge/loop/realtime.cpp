@@ -1,12 +1,15 @@
 #include "host/bridge/loop/realtime.hpp"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 namespace glenoid::bridge {
 namespace {
@@ -37,6 +40,21 @@ void sleep_until(std::int64_t time_ns) noexcept {
   const timespec until{time_ns / kSecond, time_ns % kSecond};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
   }
+}
+
+std::int64_t wait_until(std::int64_t time_ns, std::int64_t awake_ns) noexcept {
+  sleep_until(time_ns - awake_ns);
+  const std::int64_t begin_ns = monotonic_ns();
+  std::int64_t now_ns = begin_ns;
+  while (awake_ns > 0 && now_ns < time_ns) now_ns = monotonic_ns();
+  return now_ns - begin_ns;
+}
+
+IdleLatency::IdleLatency(bool wanted) noexcept {
+  if (!wanted) return;
+  constexpr std::int32_t kMost_us = 0;
+  can::Descriptor file(::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC));
+  if (file.valid() && ::write(file.get(), &kMost_us, sizeof kMost_us) == sizeof kMost_us) file_ = std::move(file);
 }
 
 std::vector<std::string> become_realtime(int priority) {
