@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   test::Rig rig(test::six_drives(2));
   for (std::size_t at = 0; at + 12 <= size; at += 12) {
     glenoid::can::Frame frame;
-    frame.id = (bytes[at] | (bytes[at + 1] << 8)) & 0x7FFU;
+    frame.id = (bytes[at] | static_cast<std::uint32_t>(bytes[at + 1]) << 8) & 0x7FFU;
     frame.size = static_cast<std::uint8_t>(std::min(8, bytes[at + 2] & 0x0F));
     frame.extended = (bytes[at + 2] & 0x80) != 0;
     frame.remote = (bytes[at + 2] & 0x40) != 0;
