@@ -40,11 +40,12 @@ void Reference::slow_down(double deceleration) noexcept {
 }
 
 void Reference::advance(double step_s) noexcept {
-  if (mode_ == Mode::Line && left_s_ <= kInstant_s) {
-    hold(target_);  // one step later than it was reached: a stop that begins right then begins with the line's velocity
-  } else if (mode_ == Mode::Line) {
-    left_s_ = std::max(left_s_ - step_s, 0.0);
-    position_ = target_ - velocity_ * left_s_;
+  if (mode_ == Mode::Line) {
+    left_s_ -= step_s;
+    position_ = target_ - velocity_ * std::max(left_s_, 0.0);
+    // It stands a servo step later than the target was reached: a stop that begins right then begins with the line's
+    // velocity, and a SYNC that is late by less does not shake the motor.
+    if (left_s_ <= -kServoStep_s + kInstant_s) hold(target_);
   } else if (mode_ == Mode::Ramp) {
     const double change = deceleration_ * step_s;
     if (std::abs(velocity_) <= change) {

@@ -122,6 +122,30 @@ TEST(DriveCsp, FollowsASmoothMotionWithinTheVelocityLoopsDelay) {
   EXPECT_EQ(bench.state(), 0x27U);
 }
 
+TEST(DriveCsp, ASyncThatIsAServoStepLateDoesNotShakeTheMotor) {
+  DriveBench bench;
+  bench.prepare();
+  bench.enable();
+  const drives::Profile profile;
+  const double speed = 1.0, late_s = 0.1e-3;
+  const double gain = profile.mechanics.inertia_kg_m2 * profile.control.velocity_bandwidth_rad_per_s;
+  double target = 0.0, most = 0.0;
+  for (int k = 0; k < 400; ++k) {
+    const double rate = speed * std::min(1.0, k / 200.0);
+    target += (kPeriod_s + late_s) * rate;
+    bench.cycle(0x0F, bench.counts(target));
+    bench.wait(static_cast<std::int64_t>(late_s * 1e9));
+    const auto told = bench.feedback();  // as the drive was at the SYNC
+    if (k > 250 && told) most = std::max(most, std::abs(told->torque * 1e-3 * profile.mechanics.rated_torque_Nm));
+  }
+  // The line is too fast by late/period and friction has to be overcome; the encoder's steps are below 1 Nm. To stand still
+  // between line and SYNC would ask for the whole speed: 45 Nm.
+  const double friction = profile.mechanics.coulomb_friction_Nm +
+                          profile.mechanics.viscous_friction_Nm_s_per_rad * speed;
+  EXPECT_GT(most, 0.0);
+  EXPECT_LT(most, friction + gain * speed * late_s / kPeriod_s + 1.0);
+}
+
 TEST(DriveCsp, HoldsTheLastTargetWhenSetpointsStop) {
   DriveBench bench;
   bench.prepare();

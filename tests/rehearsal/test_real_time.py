@@ -3,15 +3,20 @@
 How late this machine is decides nothing here: what is asked for is what the protocol itself guarantees.
 """
 
+import gc
+import os
 import socket
+import threading
 
 import pytest
 from glenoid.inputs import InputError
 from glenoid.programs import program
+from glenoid.rehearse.programs import may_be_realtime, realtime_source
 from glenoid.rehearse.run import perform, rehearse
 
-#: a busy machine may be late; then the run ends by a fault of the stream or the drives' watchdogs, not by a wrong motion
-ATTEMPTS = 3
+#: a machine may be late: seldom with SCHED_FIFO (a virtual one whose processor is taken away for 10 ms), more often without; then
+#: the run ends by a fault of the stream or a watchdog, not by a wrong motion
+ATTEMPTS = 2 if may_be_realtime() else 3
 
 
 @pytest.fixture(autouse=True)
@@ -56,10 +61,31 @@ def test_faults_reach_the_real_programs(scenario_of, kind, state, faults):
     def change(data):
         data["faults"] = [{"kind": kind, "at_s": 0.8}]
         data["expect"] = {"state": state, "fault": faults, "within_ms": 500.0}
-        data["checks"] = dict.fromkeys(("jitter", "losses", "tracking_error", "reaction"), "warn")
+        data["checks"] |= dict.fromkeys(("tracking_error", "reaction"), "warn")
 
     done = first_that(scenario_of("reach_high_real_time", change), lambda done: done.verdict == "PASS")
     assert done.verdict == "PASS", [f"{f.name}: {f.text}" for f in done.findings if f.outcome == "FAIL"]
+
+
+def test_source_gives_its_priority_to_every_thread_and_takes_it_back():
+    """Or a thread that holds the interpreter's lock, and waits behind other programs, holds up the source."""
+    if not may_be_realtime():
+        pytest.skip("SCHED_FIFO or locked memory is not permitted here")
+    over = threading.Event()
+    other = threading.Thread(target=over.wait)
+    other.start()
+    try:
+        with realtime_source(80):
+            inside = [os.sched_getscheduler(task) for task in (0, other.native_id)]
+            assert not gc.isenabled()
+        assert inside == [os.SCHED_FIFO] * 2
+        assert [os.sched_getscheduler(task) for task in (0, other.native_id)] == [os.SCHED_OTHER] * 2
+        assert gc.isenabled()
+        with realtime_source(0):
+            assert os.sched_getscheduler(0) == os.SCHED_OTHER
+    finally:
+        over.set()
+        other.join()
 
 
 def test_half_speed_takes_twice_as_long(scenario_of):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import json
 import os
 import resource
@@ -22,8 +23,9 @@ from glenoid.rehearse.motion import Motion
 from glenoid.rehearse.scenario import RealTimeInput, Scenario
 from glenoid.rehearse.virtual import profile_file
 
-#: below the bridge and the drives
-SOURCE_PRIORITY = 40
+#: of the bridge as it is shipped; drives and source stay below it
+BRIDGE_PRIORITY, SOURCE_PRIORITY = 80, 40
+CAP_IPC_LOCK = 14  # linux/capability.h
 STOP_WAIT_S, READY_WAIT_S = 6.0, 5.0
 
 
@@ -45,27 +47,45 @@ class Programs(NamedTuple):
 
 
 def may_be_realtime() -> bool:
-    """Whether this user may have SCHED_FIFO and locked memory."""
-    priority, locked = (resource.getrlimit(limit)[0] for limit in (resource.RLIMIT_RTPRIO, resource.RLIMIT_MEMLOCK))
-    unlimited = resource.RLIM_INFINITY
-    return os.geteuid() == 0 or ((priority == unlimited or priority >= 80) and locked == unlimited)
+    """Whether this process may have SCHED_FIFO and locked memory; root of a container often may not."""
+    status = Path("/proc/self/status").read_text(encoding="ascii")
+    rights = int(next(line for line in status.splitlines() if line.startswith("CapEff")).split()[1], 16)
+    if not rights >> CAP_IPC_LOCK & 1 and resource.getrlimit(resource.RLIMIT_MEMLOCK)[0] != resource.RLIM_INFINITY:
+        return False
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(BRIDGE_PRIORITY))
+    except OSError:
+        return False
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    return True
 
 
 @contextlib.contextmanager
 def realtime_source(priority: int) -> Iterator[None]:
-    """The source of setpoints under SCHED_FIFO, where wanted and permitted."""
-    if priority == 0 or not may_be_realtime():
-        yield
-        return
+    """The source of setpoints under SCHED_FIFO, where wanted and permitted, and not held up by its own process.
+
+    All threads of the process get the priority: one of them that holds the interpreter's lock and waits for a processor behind
+    other programs would keep the source waiting, too. Nothing is collected meanwhile.
+    """
+    collecting = gc.isenabled()
+    gc.disable()
+    wanted = priority > 0 and may_be_realtime()
     try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(SOURCE_PRIORITY))
-    except OSError:  # a container may forbid it all the same
-        yield
-        return
-    try:
+        if wanted:
+            schedule_threads(os.SCHED_FIFO, SOURCE_PRIORITY)
         yield
     finally:
-        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        if wanted:
+            schedule_threads(os.SCHED_OTHER, 0)
+        if collecting:
+            gc.enable()
+
+
+def schedule_threads(policy: int, priority: int) -> None:
+    """Policy and priority of every thread of this process, as far as that is permitted."""
+    for task in Path("/proc/self/task").iterdir():
+        with contextlib.suppress(OSError):  # one that ended meanwhile, or a container that forbids it all the same
+            os.sched_setscheduler(int(task.name), policy, os.sched_param(priority))
 
 
 def bridge_configuration(scenario: Scenario, bus: str, folder: Path) -> Path:
