@@ -27,6 +27,7 @@ ArmModel make_arm_model(const ScaledArm& arm, const Rhythm& rhythm, const JointL
   model.rhythm = rhythm;
   model.limits = limits;
   model.moving_shoulder = moving_shoulder;
+  model.turning_kg_m2 = arm.turning_kg_m2;
 
   const Segment& u = arm.upper_arm;
   const Segment& f = arm.forearm;

@@ -12,10 +12,12 @@ namespace {
 
 using V4 [[gnu::vector_size(32)]] = double;
 
-Vec4 transpose_times(const double (&J)[kEmbedding][4], const double* f) {
-  V4 g{};
-  for (int i = 0; i < kEmbedding; ++i) g += *reinterpret_cast<const V4*>(J[i]) * f[i];
-  return {g[0], g[1], g[2], g[3]};
+Vec4 transpose_times(const double (&J)[kEmbedding][4], const double* f, bool turning) {
+  return with_rows(turning, [&J, f](auto rows) -> Vec4 {
+    V4 g{};
+    for (int i = 0; i < rows; ++i) g += *reinterpret_cast<const V4*>(J[i]) * f[i];
+    return {g[0], g[1], g[2], g[3]};
+  });
 }
 
 /// Unit null vector of the 3x4 wrist Jacobian; the axial rotation where the arm is straight.
@@ -52,6 +54,7 @@ void DiscreteGeodesic::set_free_end(const Vec3* target) noexcept {
 void DiscreteGeodesic::evaluate(const ArmModel& arm) noexcept {
   upper_length_ = arm.upper_arm.length_m;
   forearm_length_ = arm.forearm.length_m;
+  turning_ = arm.turning_kg_m2 != 0.0;
   if (free_end_) project_end(arm, posture(order()));
   evaluate(arm, *current_);
 }
@@ -61,15 +64,19 @@ void DiscreteGeodesic::evaluate(const ArmModel& arm, State& s) noexcept {
   for (std::size_t k = 0; k < count; ++k) {
     embed(arm, s.posture[k], free_end_ && k + 1 == count, s.node[k]);
     // relative to the first node: S annihilates constants, and rounding then scales with the displacement
-    for (int i = 0; i < kEmbedding; ++i) s.momentum[k][i] = s.node[k].MF[i] - s.node[0].MF[i];
-    s.momentum[k][18] = s.momentum[k][19] = 0.0;
+    with_rows(turning_, [&s, k](auto rows) {
+      for (int i = 0; i < rows; ++i) s.momentum[k][i] = s.node[k].MF[i] - s.node[0].MF[i];
+      for (int i = rows; i < kPadded; ++i) s.momentum[k][i] = 0.0;
+    });
   }
   apply_stiffness(grid_->stiffness.data(), s.momentum, order() + 1, s.force);
   energy_ = 0.0;
   for (std::size_t k = 1; k < count; ++k) {
-    for (int i = 0; i < kEmbedding; ++i) energy_ += 0.5 * (s.node[k].F[i] - s.node[0].F[i]) * s.force[k][i];
+    with_rows(turning_, [this, &s, k](auto rows) {
+      for (int i = 0; i < rows; ++i) energy_ += 0.5 * (s.node[k].F[i] - s.node[0].F[i]) * s.force[k][i];
+    });
   }
-  s.end_gradient = transpose_times(s.node[count - 1].J, s.force[count - 1]);
+  s.end_gradient = transpose_times(s.node[count - 1].J, s.force[count - 1], turning_);
   if (free_end_) prepare_free_end(arm, s);
 }
 
@@ -102,7 +109,7 @@ double DiscreteGeodesic::free_curvature(const State& s) const noexcept {
     force[9 + r] += upper_length_ * multiplier[r];
     force[15 + r] += forearm_length_ * multiplier[r];
   }
-  const Mat4 H = embedding_curvature(s.node[last], force, true);
+  const Mat4 H = embedding_curvature(s.node[last], force, true, turning_);
   return s.free_direction.dot(H * s.free_direction);
 }
 
@@ -114,9 +121,9 @@ void DiscreteGeodesic::assemble(bool with_curvature) noexcept {
   for (int j = 1; j < n; ++j) {
     const auto row = static_cast<std::size_t>(j);
     Tile* tile = hessian_.data() + tile_index(j - 1, 0);
-    gram_row(s.node[row], &s.node[1], &grid_->stiffness[row * count + 1], j, tile);
+    gram_row(s.node[row], &s.node[1], &grid_->stiffness[row * count + 1], j, turning_, tile);
     if (with_curvature) {
-      const Mat4 H = embedding_curvature(s.node[row], s.force[row], shoulder);
+      const Mat4 H = embedding_curvature(s.node[row], s.force[row], shoulder, turning_);
       for (int a = 0; a < 4; ++a) {
         for (int b = 0; b < 4; ++b) tile[j - 1].c[a][b] += H(b, a);
       }
@@ -135,7 +142,7 @@ void DiscreteGeodesic::assemble(bool with_curvature) noexcept {
       column[1] = column[2] = column[3] = 0.0;
     }
   };
-  gram_row(s.node[last], &s.node[1], &grid_->stiffness[last * count + 1], n, tile);
+  gram_row(s.node[last], &s.node[1], &grid_->stiffness[last * count + 1], n, turning_, tile);
   for (int k = 0; k + 1 < n; ++k) reduce(tile[k]);
   Tile& corner = tile[n - 1];
   double own = 0.0;
@@ -154,7 +161,7 @@ double DiscreteGeodesic::solve_step() noexcept {
   const State& s = *current_;
   const auto size = static_cast<std::size_t>(4 * tiles());
   for (std::size_t k = 1; 4 * k <= size; ++k) {
-    const Vec4 g = transpose_times(s.node[k].J, s.force[k]);
+    const Vec4 g = transpose_times(s.node[k].J, s.force[k], turning_);
     std::copy(g.data(), g.data() + 4, &gradient_[4 * (k - 1)]);
   }
   if (free_end_) {
@@ -201,7 +208,8 @@ double DiscreteGeodesic::gradient_size() const noexcept {
   double largest = 0.0;
   for (int k = 1; k < order(); ++k) {
     const auto i = static_cast<std::size_t>(k);
-    largest = std::max(largest, transpose_times(current_->node[i].J, current_->force[i]).cwiseAbs().maxCoeff());
+    largest = std::max(largest,
+                       transpose_times(current_->node[i].J, current_->force[i], turning_).cwiseAbs().maxCoeff());
   }
   return largest;
 }
@@ -215,18 +223,19 @@ double DiscreteGeodesic::transversality() const noexcept {
 
 double DiscreteGeodesic::speed_variation() const noexcept {
   const auto count = static_cast<std::size_t>(order()) + 1;
+  const int rows = turning_ ? kEmbedding : kColumns;
   double least = 1e300, most = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
     double velocity[kEmbedding] = {}, momentum[kEmbedding] = {};
     for (std::size_t j = 0; j < count; ++j) {
       const double w = grid_->derivative[k * count + j];
-      for (int i = 0; i < kEmbedding; ++i) {
+      for (int i = 0; i < rows; ++i) {
         velocity[i] += w * (current_->node[j].F[i] - current_->node[0].F[i]);
         momentum[i] += w * current_->momentum[j][i];
       }
     }
     double twice = 0.0;
-    for (int i = 0; i < kEmbedding; ++i) twice += velocity[i] * momentum[i];
+    for (int i = 0; i < rows; ++i) twice += velocity[i] * momentum[i];
     least = std::min(least, 0.5 * twice);
     most = std::max(most, 0.5 * twice);
   }

@@ -79,6 +79,7 @@ class DiscreteGeodesic {
   bool free_end_ = false;
   Vec3 target_ = Vec3::Zero();
   double upper_length_ = 0.0, forearm_length_ = 0.0;
+  bool turning_ = false;  // whether the turning feature has a weight
   double energy_ = 0.0;
 };
 

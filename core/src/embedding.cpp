@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 
 #include "kernels.hpp"
+#include "turning.hpp"
 
 namespace glenoid {
 namespace {
@@ -25,6 +26,16 @@ void set_columns(const EmbeddedNode& node, bool shoulder, double (&F)[kEmbedding
   }
 }
 
+void set_turning(EmbeddedNode& node) {
+  const TurningFeature feature = turning_feature(node.R);
+  for (int r = 0; r < 2; ++r) {
+    double* row = node.J[kColumns + r];
+    for (int a = 0; a < 3; ++a) row[a] = feature.t_rate(r, a);
+    row[3] = 0.0;
+    node.F[kColumns + r] = feature.t[r];
+  }
+}
+
 void embed_frames(const Posture& posture, double s, double c, EmbeddedNode& node) {
   node.R = posture.R_TU;
   node.R_F.col(0) = node.R.col(0);
@@ -40,7 +51,7 @@ void embed(const ArmModel& arm, const Posture& posture, bool with_shoulder, Embe
   const bool shoulder = with_shoulder || arm.moving_shoulder;
   const Vec3 x = node.R.col(0), y = node.R.col(1), z = node.R.col(2);
   const Vec3 yf = node.R_F.col(1), zf = node.R_F.col(2);
-  for (auto& row : node.J) row[0] = row[1] = row[2] = row[3] = 0.0;
+  for (int i = 0; i < kColumns; ++i) node.J[i][0] = node.J[i][1] = node.J[i][2] = node.J[i][3] = 0.0;
   set_row3(node.J, 1, 1, -z);
   set_row3(node.J, 1, 2, y);
   set_row3(node.J, 2, 0, z);
@@ -62,10 +73,12 @@ void embed(const ArmModel& arm, const Posture& posture, bool with_shoulder, Embe
     set_row3(node.J, 0, 1, node.shoulder.J_z * x);
   }
   set_columns(node, shoulder, node.F);
-  apply_mass(arm.mass.data(), node);
+  if (arm.turning_kg_m2 != 0.0) set_turning(node);
+  apply_mass(arm.mass.data(), arm.turning_kg_m2, node);
 }
 
-Mat4 embedding_curvature(const EmbeddedNode& node, const double force[kEmbedding], bool with_shoulder) noexcept {
+Mat4 embedding_curvature(const EmbeddedNode& node, const double force[kEmbedding], bool with_shoulder,
+                         bool turning) noexcept {
   const auto column = [force](int c) { return Vec3(force[3 * c], force[3 * c + 1], force[3 * c + 2]); };
   const Mat3 Rt = node.R.transpose(), Rft = node.R_F.transpose();
   const Vec3 fX = column(0);
@@ -97,6 +110,9 @@ Mat4 embedding_curvature(const EmbeddedNode& node, const double force[kEmbedding
     dz.col(0) = -node.R.col(1);
     dz.col(1) = node.R.col(0);
     H.topLeftCorner<2, 2>() += dz.transpose() * K * dz;
+  }
+  if (turning) {
+    H.topLeftCorner<3, 3>() += turning_curvature(turning_feature(node.R), {force[kColumns], force[kColumns + 1]});
   }
   H.bottomLeftCorner<1, 3>() = H.topRightCorner<3, 1>().transpose();
   return H;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <type_traits>
+
 #include "glenoid/arm_model.hpp"
 
 namespace glenoid {
@@ -7,10 +9,18 @@ namespace glenoid {
 /// Tangent of the configuration space at a posture: (rotation vector in U, elbow angle).
 using Tangent = Vec4;
 
-inline constexpr int kEmbedding = 18;  ///< six columns of F, three coordinates each
+inline constexpr int kColumns = 18;  ///< six columns of F, three coordinates each
+inline constexpr int
+    kEmbedding = 20;  ///< and the two coordinates of the turning feature (M6), left alone where it has no weight
+
+/// Calls f with the number of rows in use as a compile-time constant: the turning feature costs nothing where it is off.
+template <class Function>
+auto with_rows(bool turning, Function&& f) {
+  return turning ? f(std::integral_constant<int, kEmbedding>()) : f(std::integral_constant<int, kColumns>());
+}
 
 /// Embedding F of one posture and its Jacobian in body coordinates (docs/equations.md, E1, E4). Row 3c + r is coordinate r
-/// of column c of F = (p_TS, x_U, y_U, z_U, y_F, z_F).
+/// of column c of F = (p_TS, x_U, y_U, z_U, y_F, z_F); rows kColumns and kColumns + 1 are the turning feature.
 struct alignas(32) EmbeddedNode {
   double J[kEmbedding][4];   ///< dF / d(delta, phi) with R <- R exp[delta]
   double MJ[kEmbedding][4];  ///< mass * J
@@ -25,7 +35,8 @@ struct alignas(32) EmbeddedNode {
 void embed(const ArmModel& arm, const Posture& posture, bool with_shoulder, EmbeddedNode& node) noexcept;
 
 /// Second variation of force . F along R exp[t delta], phi + t dphi: the symmetric 4x4 matrix of docs/equations.md, E5.
-Mat4 embedding_curvature(const EmbeddedNode& node, const double force[kEmbedding], bool with_shoulder) noexcept;
+Mat4 embedding_curvature(const EmbeddedNode& node, const double force[kEmbedding], bool with_shoulder,
+                         bool turning) noexcept;
 
 /// Jacobian of the wrist in body coordinates, 3x4, m. The node must have been embedded with its shoulder.
 Eigen::Matrix<double, 3, 4> wrist_jacobian(const ArmModel& arm, const EmbeddedNode& node) noexcept;

@@ -78,7 +78,7 @@ constexpr auto kRecurrence = [] {
 }  // namespace
 
 GLENOID_CPU_CLONES
-void apply_mass(const double* mass, EmbeddedNode& node) noexcept {
+void apply_mass(const double* mass, double turning, EmbeddedNode& node) noexcept {
   const auto m = [mass](int row, int col) { return mass[6 * col + row]; };
   const double m00 = m(0, 0), m03 = m(0, 3), m05 = m(0, 5), m33 = m(3, 3), m35 = m(3, 5), m55 = m(5, 5);
   const double m11 = m(1, 1), m22 = m(2, 2), m44 = m(4, 4);
@@ -98,14 +98,21 @@ void apply_mass(const double* mass, EmbeddedNode& node) noexcept {
     node.MF[12 + r] = node.F[12 + r] * m44;
     node.MF[15 + r] = F0 * m05 + F3 * m35 + F5 * m55;
   }
+  if (turning == 0.0) return;
+  for (int i = kColumns; i < kEmbedding; ++i) {
+    lanes(node.MJ[i]) = lanes(node.J[i]) * turning;
+    node.MF[i] = node.F[i] * turning;
+  }
 }
 
-GLENOID_CPU_CLONES
-void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* weights, int count,
-              Tile* tiles) noexcept {
+namespace {
+
+template <int Rows>
+[[gnu::always_inline]] inline void gram_row_of(const EmbeddedNode& row, const EmbeddedNode* nodes,
+                                               const double* weights, int count, Tile* tiles) noexcept {
   for (int k = 0; k < count; ++k) {
     V4 t0{}, t1{}, t2{}, t3{};
-    for (int i = 0; i < kEmbedding; ++i) {
+    for (int i = 0; i < Rows; ++i) {
       const V4 a = lanes(row.J[i]);
       const double* b = nodes[k].MJ[i];
       t0 += a * b[0];
@@ -117,6 +124,18 @@ void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* 
     lanes(tiles[k].c[1]) = t1 * weights[k];
     lanes(tiles[k].c[2]) = t2 * weights[k];
     lanes(tiles[k].c[3]) = t3 * weights[k];
+  }
+}
+
+}  // namespace
+
+GLENOID_CPU_CLONES
+void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* weights, int count, bool turning,
+              Tile* tiles) noexcept {
+  if (turning) {
+    gram_row_of<kEmbedding>(row, nodes, weights, count, tiles);
+  } else {
+    gram_row_of<kColumns>(row, nodes, weights, count, tiles);
   }
 }
 

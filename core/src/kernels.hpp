@@ -19,13 +19,14 @@ struct alignas(32) Tile {
   double c[4][4];  ///< c[column][row]
 };
 
-inline constexpr int kPadded = 20;  ///< kEmbedding, padded to whole lanes
+inline constexpr int kPadded = 20;  ///< kEmbedding in whole lanes
 
-/// MF and MJ of a node from F and J, with the 6x6 mass matrix of ArmModel: only its entries that can be non-zero.
-void apply_mass(const double* mass, EmbeddedNode& node) noexcept;
+/// MF and MJ of a node from F and J, with the 6x6 mass matrix of ArmModel, only its entries that can be non-zero, and the weight
+/// of the turning feature.
+void apply_mass(const double* mass, double turning, EmbeddedNode& node) noexcept;
 
 /// tiles[k] = weights[k] * row.J^T * nodes[k].MJ for k < count: one row of the Gauss-Newton matrix.
-void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* weights, int count,
+void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* weights, int count, bool turning,
               Tile* tiles) noexcept;
 
 /// out[k] = sum_j S[k, j] momentum[j] for k, j < count.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "glenoid/kinematics.hpp"
+#include "turning.hpp"
 
 namespace glenoid {
 namespace {
@@ -55,11 +56,17 @@ Embedding tangent_rate(const Mat3& R_TU, const ForearmAxes& forearm, const Rhyth
 double inner(const Embedding& a, const Embedding& b) noexcept { return a.cwiseProduct(b).sum(); }
 
 /// Metric in body rates and the force b in  M a + b = 0; equations M3 and M4. Exact, since the metric is the pull-back of a
-/// constant one: M = J'(mass x I)J and b = J'(mass x I) J' v.
+/// constant one: M = J'(mass x I)J and b = J'(mass x I) J' v; the turning feature (M6) adds its two rows.
 struct BodyDynamics {
   Mat4 M;
   Vec4 b;
 };
+
+void add_turning(double weight, const Mat3& R_TU, const Vec3& w, BodyDynamics& out) noexcept {
+  const TurningFeature feature = turning_feature(R_TU);
+  out.M.topLeftCorner<3, 3>() += weight * feature.t_rate.transpose() * feature.t_rate;
+  out.b.head<3>() += weight * feature.t_rate.transpose() * turning_bend(feature, w);
+}
 
 BodyDynamics body_dynamics(const ArmModel& arm, const Posture& posture, const PostureRates& v) noexcept {
   RhythmJet rhythm;
@@ -77,6 +84,7 @@ BodyDynamics body_dynamics(const ArmModel& arm, const Posture& posture, const Po
     }
     out.b[row] = inner(bent, J[i]);
   }
+  if (arm.turning_kg_m2 != 0.0) add_turning(arm.turning_kg_m2, posture.R_TU, v.w_TU_U, out);
   return out;
 }
 

@@ -62,8 +62,7 @@ ArmModel build_arm(const MotionSettings& s, const ScaledArm& scaled) {
     rhythm.anchor(posture_from_angles(s.start_q).R_TU.col(2), mirror_if(s.subject.left_arm, *s.shoulder_start_m));
   }
   ScaledArm inertias = scaled;
-  inertias.upper_arm.inertia_kg_m2.z() *= s.axial_factor;
-  inertias.forearm.inertia_kg_m2.z() *= s.axial_factor;
+  apply_axial_factor(inertias, s.axial_factor);
   return make_arm_model(inertias, rhythm, s.limits, s.moving_shoulder);
 }
 

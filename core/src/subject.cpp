@@ -168,4 +168,11 @@ ScaledArm scale_subject(const Subject& subject) {
   return arm;
 }
 
+void apply_axial_factor(ScaledArm& arm, double factor) noexcept {
+  for (Segment* segment : {&arm.upper_arm, &arm.forearm}) {
+    arm.turning_kg_m2 += (factor - 1.0) * segment->inertia_kg_m2.z();
+    segment->inertia_kg_m2.z() *= factor;
+  }
+}
+
 }  // namespace glenoid

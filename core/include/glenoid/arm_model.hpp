@@ -10,6 +10,7 @@ namespace glenoid {
 ///
 /// The kinetic energy of the arm is exactly 1/2 trace(F' mass F'^T) with F the 3x6 matrix of columns
 /// (p_TS, x_U, y_U, z_U, y_F, z_F) in T; docs/equations.md, E1-E3. `mass` is constant, so the metric needs neither M nor C.
+/// A cost of turning may be added to it (M6).
 struct ArmModel {
   Segment upper_arm;
   Segment forearm;
@@ -17,6 +18,7 @@ struct ArmModel {
   JointLimits limits;
   bool moving_shoulder = true;  ///< whether the shoulder's velocity enters the metric
   Eigen::Matrix<double, 6, 6> mass = Eigen::Matrix<double, 6, 6>::Zero();
+  double turning_kg_m2 = 0.0;  ///< weight of turning the upper arm about itself in the metric (M6), >= 0
 };
 
 /// Builds the model of a right arm (a left arm is the mirrored problem; see motion.hpp).

@@ -46,6 +46,7 @@ struct ScaledArm {
   Segment upper_arm;
   Segment forearm;  ///< forearm with the hand in line, lumped
   double shoulder_distance_m = 0.0;
+  double turning_kg_m2 = 0.0;  ///< cost of turning in the metric, see apply_axial_factor
   std::vector<ScalingEntry> report;
 };
 
@@ -57,5 +58,9 @@ struct ScaledArm {
 /// @throws std::invalid_argument naming the field, its value, its unit and the broken rule (stature 0.5..2.6 m, mass
 ///         10..400 kg, lengths and inertias finite and > 0, inertias fulfil the triangle inequality).
 ScaledArm scale_subject(const Subject& subject);
+
+/// Makes turning about the segments' own axes dearer in the metric, in place (docs/equations.md, M5, M6): the axial inertias times
+/// `factor`, and their growth as the weight of turning against the vertical. @param factor  1..5; 1 changes nothing
+void apply_axial_factor(ScaledArm& arm, double factor) noexcept;
 
 }  // namespace glenoid

@@ -65,9 +65,8 @@ def core_prior(reach: ReachInput) -> _core.PosturePriorCoefficients:
 
 
 def with_axial_factor(scaled: _core.ScaledArm, factor: float) -> _core.ScaledArm:
-    """Scales the axial inertias of the metric in place, as the core does for its own generator (M5)."""
-    for segment in (scaled.upper_arm, scaled.forearm):
-        segment.inertia_kg_m2 = segment.inertia_kg_m2 * np.array([1.0, 1.0, factor])
+    """Makes turning dearer in the metric, in place, as the core does for its own generator (M5, M6)."""
+    _core.apply_axial_factor(scaled, factor)
     return scaled
 
 

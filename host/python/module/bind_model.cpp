@@ -44,7 +44,10 @@ void bind_subject(nb::module_& module) {
       .def_ro("upper_arm", &ScaledArm::upper_arm)
       .def_ro("forearm", &ScaledArm::forearm)
       .def_ro("shoulder_distance_m", &ScaledArm::shoulder_distance_m)
+      .def_ro("turning_kg_m2", &ScaledArm::turning_kg_m2)
       .def_ro("report", &ScaledArm::report);
+  module.def("apply_axial_factor", &apply_axial_factor, "scaled"_a, "factor"_a,
+             "Makes turning about the segments' own axes dearer in the metric, in place (M5, M6).");
   module.def("scale_subject", &scale_subject, "subject"_a,
              "Segment data of a person (docs/equations.md, A1-A4). ValueError names field, value, unit and rule.");
 }

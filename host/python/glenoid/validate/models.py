@@ -151,8 +151,7 @@ class Predictor:
         subject.forearm_length_m = movement.forearm_length_m
         subject.shoulder_distance_m = float(np.linalg.norm(movement.shoulder_m[0]))
         scaled = _core.scale_subject(subject)
-        for segment in (scaled.upper_arm, scaled.forearm):
-            segment.inertia_kg_m2 = segment.inertia_kg_m2 * np.array([1.0, 1.0, model.axial_factor])
+        _core.apply_axial_factor(scaled, model.axial_factor)
         told = "shoulder" in model.oracle
         settings = _core.RhythmSettings()
         settings.model = _core.RhythmModel.Fixed if told else getattr(_core.RhythmModel, model.rhythm)
