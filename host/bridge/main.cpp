@@ -5,7 +5,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <thread>
@@ -39,7 +38,7 @@ void define(CLI::App& app, Arguments& a) {
   app.add_flag("--dry-run", a.dry_run, "run, but send nothing to a bus");
   app.add_flag("--monitor", a.monitor, "listen only: print what happens on the buses");
   app.add_option("--log", a.log, "write all frames to this file, as candump -L does");
-  app.add_option("--stats", a.stats, "write the figures of the run to this JSON file");
+  app.add_option("--stats", a.stats, "write the figures to this JSON file, again every second");
   app.add_option("--duration", a.duration_s, "end after so many seconds")->check(CLI::PositiveNumber);
   app.add_option("--lcm-url", a.lcm_url, "LCM provider");
   app.add_flag("--no-lcm", a.no_lcm, "no messages at all");
@@ -119,22 +118,50 @@ std::unique_ptr<lcm_port::LcmPort> open_lcm(const Arguments& a, const bridge::Co
   return std::make_unique<lcm_port::LcmPort>(options);
 }
 
-/// Prints events beside the loop until told to end.
-std::thread start_console(bridge::Loop& loop, const std::atomic<bool>& over, bool quiet) {
-  return std::thread([&loop, &over, quiet] {
-    const auto print = [&] {
-      bridge::Event event;
-      while (loop.take_event(event))
-        if (!quiet || event.severity != bridge::Severity::Info) std::puts(bridge::describe(event).c_str());
-      std::fflush(stdout);
-    };
-    while (!over.load()) {
-      print();
+/// What goes on beside the loop: events to the terminal, figures to their file and channel.
+class Watcher {
+ public:
+  Watcher(bridge::Loop& loop, lcm_port::LcmPort* lcm, const Arguments& a)
+      : loop_(loop), lcm_(lcm), stats_(a.stats), quiet_(a.quiet) {
+    if (!show_figures()) throw std::runtime_error(stats_ + ": cannot be written");
+    thread_ = std::thread([this] { watch(); });
+  }
+  ~Watcher() {
+    over_ = true;
+    thread_.join();
+  }
+  Watcher(const Watcher&) = delete;
+  Watcher& operator=(const Watcher&) = delete;
+
+ private:
+  void watch() {
+    for (int turn = 0; !over_.load(); ++turn) {
+      print_events();
+      if (turn % 20 == 19) show_figures();
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
-    print();
-  });
-}
+    print_events();
+    show_figures();
+  }
+  void print_events() {
+    bridge::Event event;
+    while (loop_.take_event(event))
+      if (!quiet_ || event.severity != bridge::Severity::Info) std::puts(bridge::describe(event).c_str());
+    std::fflush(stdout);
+  }
+  bool show_figures() {
+    const bridge::Figures figures = loop_.figures().in_short(bridge::monotonic_ns());
+    if (lcm_ != nullptr) lcm_->tell(figures);
+    return stats_.empty() || bridge::write_whole(stats_, bridge::to_json(figures));
+  }
+
+  bridge::Loop& loop_;
+  lcm_port::LcmPort* lcm_;
+  std::string stats_;
+  bool quiet_;
+  std::atomic<bool> over_ = false;
+  std::thread thread_;
+};
 
 int run(const Arguments& a, const bridge::Config& config) {
   bridge::LoopOptions options;
@@ -150,8 +177,7 @@ int run(const Arguments& a, const bridge::Config& config) {
   const auto log = a.log.empty() ? nullptr : std::make_unique<bridge::FrameLog>(a.log, names);
   const auto lcm = open_lcm(a, config);
   const auto loop = std::make_unique<bridge::Loop>(config, open_ports(config, false), lcm.get(), log.get(), options);
-  std::atomic<bool> over = false;
-  std::thread console = start_console(*loop, over, a.quiet);
+  auto watcher = std::make_unique<Watcher>(*loop, lcm.get(), a);
   running = loop.get();
   for (const std::string& refused : bridge::become_realtime(a.priority))
     std::fprintf(stderr, "glenoid-bridge: %s\n", refused.c_str());
@@ -160,10 +186,8 @@ int run(const Arguments& a, const bridge::Config& config) {
     std::fprintf(stderr, "glenoid-bridge: idle states stay allowed (/dev/cpu_dma_latency): wake-ups may be late\n");
   loop->run();
   running = nullptr;
-  over = true;
-  console.join();
-  if (!a.quiet) std::fputs(bridge::describe(loop->figures(), loop->last_status()).c_str(), stdout);
-  if (!a.stats.empty()) std::ofstream(a.stats) << bridge::to_json(loop->figures(), loop->last_status());
+  watcher.reset();
+  if (!a.quiet) std::fputs(bridge::describe(loop->figures().in_short(bridge::monotonic_ns())).c_str(), stdout);
   if (log && log->lost() > 0)
     std::fprintf(stderr, "glenoid-bridge: %llu frames are missing in the log\n",
                  static_cast<unsigned long long>(log->lost()));

@@ -1,6 +1,8 @@
 #include "host/bridge/report.hpp"
 
+#include <array>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
@@ -16,24 +18,21 @@ std::string line(const char* format, Arguments... arguments) {
   return text;
 }
 
-struct Row {
-  const char* name;
+struct Name {
+  const char* words;
   const char* key;
-  const Histogram& values;
 };
-
-std::vector<Row> rows(const LoopFigures& figures) {
-  return {{"wake-up behind the deadline", "wake_up", figures.wake_up},
-          {"SYNC interval error", "sync_error", figures.sync_error},
-          {"RPDO after SYNC", "rpdo_after_sync", figures.rpdo_after_sync},
-          {"TPDO after SYNC", "tpdo_after_sync", figures.tpdo_after_sync},
-          {"setpoint to wire", "setpoint_to_wire", figures.setpoint_to_wire},
-          {"processor time of a cycle", "cycle_cpu", figures.cycle_cpu},
-          {"  of it awake before the SYNC", "cycle_awake", figures.awake},
-          {"  of it in the core", "cycle_core", figures.core},
-          {"  of it in the buses' ports", "cycle_port", figures.port},
-          {"  of it for messages", "cycle_lcm", figures.lcm}};
-}
+// In the order of Figures.
+constexpr std::array<Name, kFigures> kNames = {{{"wake-up behind the deadline", "wake_up"},
+                                                {"SYNC interval error", "sync_error"},
+                                                {"RPDO after SYNC", "rpdo_after_sync"},
+                                                {"TPDO after SYNC", "tpdo_after_sync"},
+                                                {"setpoint to wire", "setpoint_to_wire"},
+                                                {"processor time of a cycle", "cycle_cpu"},
+                                                {"  of it awake before the SYNC", "cycle_awake"},
+                                                {"  of it in the core", "cycle_core"},
+                                                {"  of it in the buses' ports", "cycle_port"},
+                                                {"  of it for messages", "cycle_lcm"}}};
 
 }  // namespace
 
@@ -53,29 +52,41 @@ std::string describe(const Config& config) {
   return text + "config_hash " + config_hash(config) + "\n";
 }
 
-std::string describe(const LoopFigures& figures, const Status& status) {
+std::string describe(const Figures& figures) {
   std::string text = line("%-30s %9s %9s %9s %9s %9s\n", "us", "p50", "p99", "p99.9", "max", "count");
-  for (const Row& row : rows(figures))
-    text += line("%-30s %9.1f %9.1f %9.1f %9.1f %9llu\n", row.name, row.values.quantile_us(0.5),
-                 row.values.quantile_us(0.99), row.values.quantile_us(0.999), row.values.largest_us(),
-                 static_cast<unsigned long long>(row.values.count()));
-  return text +
-         line("cycles %llu, left out %llu; setpoints %lld accepted, %lld rejected\n",
-              static_cast<unsigned long long>(figures.cycles), static_cast<unsigned long long>(figures.late_cycles),
-              static_cast<long long>(status.setpoints_accepted), static_cast<long long>(status.setpoints_rejected));
+  for (std::size_t k = 0; k < kFigures; ++k) {
+    const Figure& one = figures.figure[k];
+    text += line("%-30s %9.1f %9.1f %9.1f %9.1f %9lld\n", kNames[k].words, one.p50_us, one.p99_us, one.p999_us,
+                 one.largest_us, static_cast<long long>(one.values));
+  }
+  return text + line("cycles %lld, left out %lld; setpoints %lld accepted, %lld rejected\n",
+                     static_cast<long long>(figures.cycles), static_cast<long long>(figures.cycles_left_out),
+                     static_cast<long long>(figures.setpoints_accepted),
+                     static_cast<long long>(figures.setpoints_rejected));
 }
 
-std::string to_json(const LoopFigures& figures, const Status& status) {
+std::string to_json(const Figures& figures) {
   std::string text = line(
-      "{\"cycles\": %llu, \"late_cycles\": %llu, \"setpoints_accepted\": %lld, "
-      "\"setpoints_rejected\": %lld",
-      static_cast<unsigned long long>(figures.cycles), static_cast<unsigned long long>(figures.late_cycles),
-      static_cast<long long>(status.setpoints_accepted), static_cast<long long>(status.setpoints_rejected));
-  for (const Row& row : rows(figures))
-    text += line(", \"%s_us\": {\"p50\": %.3f, \"p99\": %.3f, \"p99.9\": %.3f, \"max\": %.3f, \"count\": %llu}",
-                 row.key, row.values.quantile_us(0.5), row.values.quantile_us(0.99), row.values.quantile_us(0.999),
-                 row.values.largest_us(), static_cast<unsigned long long>(row.values.count()));
+      "{\"time_mono_s\": %.3f, \"cycles\": %lld, \"late_cycles\": %lld, "
+      "\"setpoints_accepted\": %lld, \"setpoints_rejected\": %lld",
+      1e-9 * static_cast<double>(figures.time_ns), static_cast<long long>(figures.cycles),
+      static_cast<long long>(figures.cycles_left_out), static_cast<long long>(figures.setpoints_accepted),
+      static_cast<long long>(figures.setpoints_rejected));
+  for (std::size_t k = 0; k < kFigures; ++k) {
+    const Figure& one = figures.figure[k];
+    text += line(", \"%s_us\": {\"p50\": %.3f, \"p99\": %.3f, \"p99.9\": %.3f, \"max\": %.3f, \"count\": %lld}",
+                 kNames[k].key, one.p50_us, one.p99_us, one.p999_us, one.largest_us, static_cast<long long>(one.values));
+  }
   return text + "}\n";
+}
+
+bool write_whole(const std::string& file, const std::string& content) {
+  std::error_code error;
+  const bool device = std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error);
+  const std::string draft = device ? file : file + ".new";
+  if (!(std::ofstream(draft) << content).flush()) return false;
+  if (!device) std::filesystem::rename(draft, file, error);
+  return !error;
 }
 
 std::string describe(const Event& event) {

@@ -11,9 +11,11 @@ namespace glenoid::bridge {
 [[nodiscard]] std::string describe(const Config& config);
 
 /// Figures of a run as a table for people.
-[[nodiscard]] std::string describe(const LoopFigures& figures, const Status& status);
+[[nodiscard]] std::string describe(const Figures& figures);
 /// The same as one JSON object.
-[[nodiscard]] std::string to_json(const LoopFigures& figures, const Status& status);
+[[nodiscard]] std::string to_json(const Figures& figures);
+/// Replaces a file as a whole: a reader sees the old content or the new one. False where it cannot be written.
+[[nodiscard]] bool write_whole(const std::string& file, const std::string& content);
 
 /// One line: "12.345 s  error  DriveEmergency ...".
 [[nodiscard]] std::string describe(const Event& event);

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
+#include <thread>
 
 #include "host/bridge/loop/estop_input.hpp"
 #include "host/bridge/loop/frame_log.hpp"
@@ -30,6 +32,26 @@ TEST(BridgeHistogram, QuantilesAreWithinABucket) {
   }
   EXPECT_EQ(histogram.largest_us(), 1e-3 * values.back());
   EXPECT_EQ(histogram.count(), 10000U);
+}
+
+TEST(BridgeHistogram, CanBeReadWhileItGrows) {
+  Histogram histogram;
+  std::atomic<bool> over = false;
+  std::thread writer([&] {
+    for (int k = 0; k < 200'000; ++k) histogram.record(1000 + k % 1000);
+    over = true;
+  });
+  std::int64_t last = 0;
+  while (!over) {
+    const Figure figure = histogram.figure();
+    EXPECT_GE(figure.values, last);
+    EXPECT_LE(figure.p50_us, 2.0);
+    EXPECT_LE(figure.largest_us, 2.0);
+    last = figure.values;
+  }
+  writer.join();
+  EXPECT_EQ(histogram.figure().values, 200'000);
+  EXPECT_NEAR(histogram.figure().p50_us, 1.5, 1.5 / 32);
 }
 
 TEST(BridgeHistogram, ExtremesAreCounted) {

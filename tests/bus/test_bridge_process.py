@@ -15,9 +15,10 @@ import time
 from collections import Counter
 from pathlib import Path
 
+import lcm
 import pytest
 import yaml
-from glenoid.lcm_types import command_v1_t
+from glenoid.lcm_types import command_v1_t, figures_v1_t
 from glenoid.programs import program
 from glenoid.publisher import Publisher, now_ns
 
@@ -87,7 +88,7 @@ class Bridge:
             text=True,
         )
         assert self.drives.stderr.readline() == "ready\n"
-        url = f"udpm://239.255.76.67:{port + 6000}?ttl=0"
+        self.lcm_url = url = f"udpm://239.255.76.67:{port + 6000}?ttl=0"
         self.output = (tmp_path / "bridge.txt").open("w+")
         self.process = subprocess.Popen(
             [program("glenoid-bridge"), config, "--log", self.log, "--stats", self.stats, "--lcm-url", url, *arguments],
@@ -292,6 +293,28 @@ def check_with_cantools(frames, tmp_path):
             enabled += database.decode_message(identifier, data)["statusword"] & 0x106F == 0x1027 & 0x106F
     assert enabled > 500
     assert max(targets) - min(targets) > 0.1 * COUNTS_PER_RAD
+
+
+def test_figures_can_be_looked_at_while_it_runs(start):
+    bridge = start()
+    heard = []
+    listener = lcm.LCM(bridge.lcm_url)
+    listener.subscribe("GLENOID_FIGURES", lambda _, data: heard.append(figures_v1_t.decode(data)))
+    bridge.run(0.5)
+    files = []
+    end = time.monotonic() + 20
+    while time.monotonic() < end and (len(heard) < 3 or len(files) < 3):
+        bridge.stream(0.05)
+        listener.handle_timeout(0)
+        figures = json.loads(bridge.stats.read_text())  # whole whenever it is read
+        if not files or files[-1]["cycles"] != figures["cycles"]:
+            files.append(figures)
+    for values in ([h.cycles for h in heard], [f["cycles"] for f in files]):
+        assert len(values) >= 3
+        assert values == sorted(values)
+    assert heard[-1].values[figures_v1_t.CYCLE_CPU] > 0
+    assert heard[-1].p50_us[figures_v1_t.CYCLE_CPU] <= heard[-1].p99_us[figures_v1_t.CYCLE_CPU]
+    assert files[-1]["cycle_cpu_us"]["count"] > files[0]["cycle_cpu_us"]["count"]
 
 
 def last_target(frames):

@@ -69,6 +69,7 @@ TEST_F(InboxTest, TypesHaveTheLengthsTheirFilesState) {
   EXPECT_EQ(command_v1_t().getEncodedSize(), 36);
   EXPECT_EQ(event_v1_t().getEncodedSize(), 220);
   EXPECT_EQ(status_v1_t().getEncodedSize(), 1136);
+  EXPECT_EQ(figures_v1_t().getEncodedSize(), 676);
 }
 
 TEST_F(InboxTest, ASetpointArrivesAsItWasSent) {
@@ -332,6 +333,28 @@ TEST(ToWire, StatusRelatesTheWallClock) {
   EXPECT_EQ(out.real_bus_mask, 2);
   EXPECT_EQ(out.exoskeleton[30], 'e');
   EXPECT_EQ(out.exoskeleton[31], 0);
+}
+
+TEST(ToWire, FiguresKeepTheirPlaces) {
+  bridge::Figures figures;
+  figures.cycles = 7;
+  figures.cycles_left_out = 3;
+  for (std::size_t k = 0; k < bridge::kFigures; ++k) {
+    const auto base = static_cast<double>(10 * k);
+    figures.figure[k] = {static_cast<std::int64_t>(k), base + 1, base + 2, base + 3, base + 4};
+  }
+  const figures_v1_t out = to_wire(figures);
+  EXPECT_EQ(out.cycles, 7);
+  EXPECT_EQ(out.cycles_left_out, 3);
+  EXPECT_EQ(out.count, static_cast<std::int32_t>(bridge::kFigures));
+  for (std::size_t k = 0; k < bridge::kFigures; ++k) {
+    EXPECT_EQ(out.values[k], static_cast<std::int64_t>(k));
+    const auto base = static_cast<double>(10 * k);
+    EXPECT_EQ(out.p50_us[k], base + 1);
+    EXPECT_EQ(out.p99_us[k], base + 2);
+    EXPECT_EQ(out.p999_us[k], base + 3);
+    EXPECT_EQ(out.largest_us[k], base + 4);
+  }
 }
 
 }  // namespace

@@ -197,6 +197,26 @@ struct Status {
   std::array<DriveStatus, kMaxJoints> drive{};
 };
 
+/// A distribution in short.
+struct Figure {
+  std::int64_t values = 0;
+  double p50_us = 0.0;
+  double p99_us = 0.0;
+  double p999_us = 0.0;
+  double largest_us = 0.0;
+};
+inline constexpr std::size_t kFigures = 10;
+
+/// What the loop measured since it began, numbered as figures_v1_t.
+struct Figures {
+  std::int64_t time_ns = 0;
+  std::int64_t cycles = 0;
+  std::int64_t cycles_left_out = 0;
+  std::int64_t setpoints_accepted = 0;
+  std::int64_t setpoints_rejected = 0;
+  std::array<Figure, kFigures> figure{};
+};
+
 /// Something happened. `text` is UTF-8 and zero-terminated.
 struct Event {
   std::int64_t time_ns = 0;

@@ -46,6 +46,8 @@ static_assert(is_number(bridge::Request::Arm, command_v1_t::ARM) &&
               is_number(bridge::Request::ResetFault, command_v1_t::RESET_FAULT) &&
               is_number(bridge::Request::Disarm, command_v1_t::DISARM));
 
+static_assert(bridge::kFigures == figures_v1_t::CYCLE_LCM + 1);
+
 constexpr std::int32_t kFollowsTarget = 1 << 12;  // 6041h in cyclic synchronous position mode
 
 template <class From, class To>
@@ -161,6 +163,22 @@ event_v1_t to_wire(const bridge::Event& event) noexcept {
   out.limit = event.limit;
   const auto end = std::find(event.text.begin(), event.text.end(), '\0');
   copy_text(event.text, static_cast<std::size_t>(end - event.text.begin()), out.text);
+  return out;
+}
+
+figures_v1_t to_wire(const bridge::Figures& figures) noexcept {
+  figures_v1_t out{};
+  out.time_mono_ns = figures.time_ns;
+  out.cycles = figures.cycles;
+  out.cycles_left_out = figures.cycles_left_out;
+  out.count = static_cast<std::int32_t>(figures.figure.size());
+  for (std::size_t k = 0; k < figures.figure.size(); ++k) {
+    out.values[k] = figures.figure[k].values;
+    out.p50_us[k] = figures.figure[k].p50_us;
+    out.p99_us[k] = figures.figure[k].p99_us;
+    out.p999_us[k] = figures.figure[k].p999_us;
+    out.largest_us[k] = figures.figure[k].largest_us;
+  }
   return out;
 }
 

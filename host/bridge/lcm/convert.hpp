@@ -10,6 +10,7 @@
 #include "glenoid/command_v1_t.hpp"
 #include "glenoid/event_v1_t.hpp"
 #include "glenoid/feedback_v1_t.hpp"
+#include "glenoid/figures_v1_t.hpp"
 #include "glenoid/setpoint_v1_t.hpp"
 #include "glenoid/status_v1_t.hpp"
 #include "host/bridge/core/messages.hpp"
@@ -32,6 +33,7 @@ struct Device {
 
 [[nodiscard]] feedback_v1_t to_wire(const bridge::Feedback& feedback, bridge::State state) noexcept;
 [[nodiscard]] event_v1_t to_wire(const bridge::Event& event) noexcept;
+[[nodiscard]] figures_v1_t to_wire(const bridge::Figures& figures) noexcept;
 /// @param time_utc_ns  wall clock at the instant of the status
 [[nodiscard]] status_v1_t to_wire(const bridge::Status& status, const Device& device, std::int64_t time_utc_ns) noexcept;
 

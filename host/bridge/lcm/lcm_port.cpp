@@ -80,6 +80,7 @@ class LcmPort::Implementation {
   Ring<ToldFeedback, 256> feedback_;
   Ring<bridge::Status, 16> status_;
   Ring<bridge::Event, 256> events_;
+  Ring<bridge::Figures, 4> figures_;
   LcmCounters dropped_;
   std::atomic<std::uint64_t> publish_failed_ = 0;
   bool queued_ = false;
@@ -124,6 +125,8 @@ class LcmPort::Implementation {
     while (feedback_.pop(told)) publish(kFeedbackChannel, to_wire(told.feedback, told.state));
     bridge::Event event;
     while (events_.pop(event)) publish(kEventChannel, to_wire(event));
+    bridge::Figures figures;
+    while (figures_.pop(figures)) publish(kFiguresChannel, to_wire(figures));
     bridge::Status status;
     while (status_.pop(status)) {
       const std::int64_t shift_ns = clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC);
@@ -173,6 +176,11 @@ bool LcmPort::tell(const bridge::Event& event) noexcept {
   const bool taken = implementation_->events_.push(event);
   implementation_->dropped_.events_dropped += taken ? 0 : 1;
   return taken;
+}
+
+void LcmPort::tell(const bridge::Figures& figures) noexcept {
+  implementation_->figures_.push(figures);  // where the telling thread cannot keep up, the next one says it all again
+  ring(implementation_->telling_bell_);
 }
 
 void LcmPort::flush() noexcept {

@@ -21,6 +21,7 @@ inline constexpr const char* kSetpointChannel = "GLENOID_SETPOINT";
 inline constexpr const char* kFeedbackChannel = "GLENOID_FEEDBACK";
 inline constexpr const char* kStatusChannel = "GLENOID_STATUS";
 inline constexpr const char* kEventChannel = "GLENOID_EVENT";
+inline constexpr const char* kFiguresChannel = "GLENOID_FIGURES";
 inline constexpr const char* kCommandChannel = "GLENOID_COMMAND";
 
 /// The URL with its time to live written out.
@@ -47,7 +48,7 @@ struct LcmCounters {
   std::uint64_t publish_failed = 0;
 };
 
-/// Channels GLENOID_*. All functions but the constructor and the destructor are for one thread, the loop: they take no lock,
+/// Channels GLENOID_*. All functions but the constructor, the destructor and `tell(Figures)` are for one thread, the loop: they take no lock,
 /// allocate nothing and do not throw.
 class LcmPort {
  public:
@@ -69,6 +70,9 @@ class LcmPort {
   bool tell(const bridge::Event& event) noexcept;
   /// Wakes the telling thread if something was queued: once per cycle, after its messages.
   void flush() noexcept;
+
+  /// For one thread other than the loop. Wakes the telling thread by itself.
+  void tell(const bridge::Figures& figures) noexcept;
 
   [[nodiscard]] LcmCounters counters() const noexcept;
   [[nodiscard]] const Inbox& inbox() const noexcept;

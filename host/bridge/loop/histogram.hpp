@@ -2,34 +2,53 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 
+#include "host/bridge/core/messages.hpp"
+
 namespace glenoid::bridge {
 
-/// Durations in ns, counted in buckets of 3 % width: no allocation, constant time.
+/// A number that one thread counts up and others may read at any time; without the price of an atomic addition.
+class Counter {
+ public:
+  void add(std::uint64_t more = 1) noexcept { set(value() + more); }
+  void set(std::uint64_t value) noexcept { value_.store(value, std::memory_order_relaxed); }
+  [[nodiscard]] std::uint64_t value() const noexcept { return value_.load(std::memory_order_relaxed); }
+
+ private:
+  std::atomic<std::uint64_t> value_ = 0;
+};
+
+/// Durations in ns, counted in buckets of 3 % width: no allocation, constant time. One thread records, any may read: what it
+/// sees may lack the last values.
 class Histogram {
  public:
   void record(std::int64_t ns) noexcept {
     const auto value = static_cast<std::uint64_t>(std::max<std::int64_t>(0, ns));
-    ++buckets_[bucket(value)];
-    ++count_;
-    largest_ = std::max(largest_, value);
+    buckets_[bucket(value)].add();
+    count_.add();
+    largest_.set(std::max(largest_.value(), value));
   }
 
-  [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
-  [[nodiscard]] double largest_us() const noexcept { return 1e-3 * static_cast<double>(largest_); }
+  [[nodiscard]] std::uint64_t count() const noexcept { return count_.value(); }
+  [[nodiscard]] double largest_us() const noexcept { return 1e-3 * static_cast<double>(largest_.value()); }
   /// Smallest value that is not exceeded by this share of all, to 3 %; 0 where nothing was recorded.
   [[nodiscard]] double quantile_us(double share) const noexcept {
-    const auto wanted = static_cast<std::uint64_t>(share * static_cast<double>(count_));
+    const std::uint64_t count = count_.value(), largest = largest_.value();
+    const auto wanted = static_cast<std::uint64_t>(share * static_cast<double>(count));
     std::uint64_t seen = 0;
     for (std::size_t k = 0; k < kBuckets; ++k) {
-      seen += buckets_[k];
-      if (seen > wanted || (seen == count_ && count_ > 0))
-        return 1e-3 * static_cast<double>(std::min(upper(k), largest_));
+      seen += buckets_[k].value();
+      if (seen > wanted || (seen >= count && count > 0)) return 1e-3 * static_cast<double>(std::min(upper(k), largest));
     }
     return 0.0;
+  }
+  /// Its values in short.
+  [[nodiscard]] Figure figure() const noexcept {
+    return {static_cast<std::int64_t>(count()), quantile_us(0.5), quantile_us(0.99), quantile_us(0.999), largest_us()};
   }
 
  private:
@@ -49,9 +68,9 @@ class Histogram {
     return ((k % kSteps + kSteps + 1) << shift) - 1;
   }
 
-  std::array<std::uint64_t, kBuckets> buckets_{};
-  std::uint64_t count_ = 0;
-  std::uint64_t largest_ = 0;
+  std::array<Counter, kBuckets> buckets_{};
+  Counter count_;
+  Counter largest_;
 };
 
 }  // namespace glenoid::bridge

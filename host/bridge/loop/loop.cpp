@@ -28,6 +28,16 @@ bool has_function(const can::Frame& frame, std::uint32_t code) noexcept {
 
 }  // namespace
 
+Figures LoopFigures::in_short(std::int64_t now_ns) const noexcept {
+  return {now_ns,
+          static_cast<std::int64_t>(cycles.value()),
+          static_cast<std::int64_t>(late_cycles.value()),
+          static_cast<std::int64_t>(accepted.value()),
+          static_cast<std::int64_t>(rejected.value()),
+          {wake_up.figure(), sync_error.figure(), rpdo_after_sync.figure(), tpdo_after_sync.figure(),
+           setpoint_to_wire.figure(), cycle_cpu.figure(), awake.figure(), core.figure(), port.figure(), lcm.figure()}};
+}
+
 Loop::Loop(const Config& config, std::vector<std::unique_ptr<can::Port>> ports, lcm_port::LcmPort* lcm, FrameLog* log,
            const LoopOptions& options)
     : settings_(config.settings),
@@ -56,14 +66,14 @@ void Loop::run() noexcept {
     if (finished(now_ns)) return;
     if (late_ns >= period_ns / 2) {  // too late for its answers: leave out what is over, the grid stays
       const std::int64_t next = (now_ns - start_ns_) / period_ns + 1;
-      figures_.late_cycles += static_cast<std::uint64_t>(next - number);
+      figures_.late_cycles.add(static_cast<std::uint64_t>(next - number));
       number = next;
       continue;
     }
     cycle(number, deadline_ns);
     const std::int64_t before_ns = std::exchange(cpu_ns, thread_cpu_ns());
     figures_.cycle_cpu.record(cpu_ns - before_ns);
-    ++figures_.cycles;
+    figures_.cycles.add();
     ++number;
   }
 }
@@ -175,7 +185,11 @@ void Loop::tell() noexcept {
     events_.push(event);
     if (lcm_ != nullptr) lcm_->tell(event);
   }
-  if (outputs_.has_status) status_ = outputs_.status;
+  if (outputs_.has_status) {
+    status_ = outputs_.status;
+    figures_.accepted.set(static_cast<std::uint64_t>(status_.setpoints_accepted));
+    figures_.rejected.set(static_cast<std::uint64_t>(status_.setpoints_rejected));
+  }
   if (lcm_ == nullptr) return;
   if (outputs_.has_feedback) lcm_->tell(outputs_.feedback, bridge_.state());
   if (outputs_.has_status) lcm_->tell(outputs_.status);

@@ -32,8 +32,12 @@ struct LoopFigures {
   Histogram core;              ///< of it: in the core
   Histogram port;              ///< of it: in the buses' ports
   Histogram lcm;               ///< of it: between the loop and LCM's threads
-  std::uint64_t cycles = 0;
-  std::uint64_t late_cycles = 0;  ///< left out because the loop was late by half a period or more
+  Counter cycles;
+  Counter accepted, rejected;  ///< setpoints, as the last status says
+  Counter late_cycles;         ///< left out because the loop was late by half a period or more
+
+  /// All of it in short; any thread, while the loop runs too.
+  [[nodiscard]] Figures in_short(std::int64_t now_ns) const noexcept;
 };
 
 struct LoopOptions {
@@ -67,7 +71,7 @@ class Loop {
   bool take_event(Event& into) noexcept { return events_.pop(into); }
   /// State of the bridge, for the same or another thread.
   [[nodiscard]] State state() const noexcept { return state_.load(std::memory_order_relaxed); }
-  /// After run().
+  /// Any thread.
   [[nodiscard]] const LoopFigures& figures() const noexcept { return figures_; }
   /// After run() with deadman_test: every drive reported 8130h while the master was silent.
   [[nodiscard]] bool deadman_passed() const noexcept { return deadman_passed_; }
@@ -75,7 +79,6 @@ class Loop {
   [[nodiscard]] bool stopped_by_fault() const noexcept {
     return bridge_.state() == State::Fault || bridge_.state() == State::Stop;
   }
-  [[nodiscard]] const Status& last_status() const noexcept { return status_; }
 
  private:
   void cycle(std::int64_t number, std::int64_t deadline_ns) noexcept;
