@@ -1,6 +1,7 @@
 """What is refused, and that the message names where, key, value and rule."""
 
 import pytest
+from glenoid.recording import read_recording
 
 GOOD = "start_q_deg: [15, -30, 30, 60]\ntarget_m: [0.2, 0.42, 0.25]\n"
 FILES = {
@@ -23,6 +24,8 @@ FILES = {
     "not a mapping": ("- 1\n- 2\n", ["mapping"]),
     "not YAML": ("a: [1, 2\n", ["YAML"]),
     "empty": ("", ["mapping"]),
+    "key twice": (GOOD + "duration_s: 1\nduration_s: 2\n", ["duration_s", "twice", "line 4"]),
+    "section's key twice": (GOOD + "rhythm: {gain: 1, gain: 0.5}\n", ["gain", "twice", "line 3"]),
 }
 
 
@@ -51,6 +54,12 @@ OPTIONS = {
     "unknown metric": (["--metric", "taxicab"], ["metric", "taxicab"]),
     "unknown limit": (["--limits-deg", "knee=0,90"], ["knee", "unknown key"]),
     "unknown option": (["--quickly"], ["--quickly"]),
+    "semicolons": (["--target-m", "0.2;0.4;0.2"], ["--target-m", "0.2;0.4;0.2", "commas"]),
+    "degrees as rad": (["--start-q-rad", "15,-30,30,60"], ["start.q[1]", "15 rad", "3.14"]),
+    "two starts": (["--start-q-rad", "0,0,0,1", "--start-q-deg", "0,0,0,60"], ["start_q_deg or start_q_rad"]),
+    "rate not finite": (["--rate-hz", "nan"], ["--rate-hz", "nan", "hz", "100000"]),
+    "picture of no format": (["--plot", "reach.doc"], ["reach.doc", ".png", ".svg", ".pdf"]),
+    "missing device": (["--exo", "no_such.yaml"], ["no_such.yaml: No such file"]),
 }
 
 
@@ -61,6 +70,108 @@ def test_bad_option_is_refused_in_words(run, case):
     assert done.code == 2
     for word in words:
         assert word in done.err.replace("\n", " ")
+
+
+SIMULATE = {
+    "endless": (["--stop-s", "inf"], ["--stop-s", "inf s", "3600"]),
+    "no end": (["--stop-s", "nan"], ["--stop-s", "nan s"]),
+    "before the start": (["--stop-s=-1"], ["--stop-s", "-1 s"]),
+    "step not finite": (["--step-s", "nan"], ["--step-s", "nan s", "10 s"]),
+    "no step": (["--step-s", "0"], ["--step-s", "0 s", "1e-05"]),
+}
+
+
+@pytest.mark.parametrize("case", SIMULATE)
+def test_times_without_end_are_refused(run, case):
+    arguments, words = SIMULATE[case]
+    done = run("simulate", *arguments)
+    assert done.code == 2
+    for word in words:
+        assert word in done.err
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("plan", "--csv", "taken"),
+        ("plan", "--plot", "taken.png"),
+        ("simulate", "--csv", "taken"),
+        ("simulate", "--plot", "taken.png"),
+        ("info", "--exo", "generic_75_75", "--plot", "taken.png"),
+        ("plan", "--csv", "no/where.csv"),
+        ("plan", "--batch", "taken"),
+        ("rehearse", "taken"),
+        ("sweep", "taken"),
+    ],
+    ids=" ".join,
+)
+def test_files_that_cannot_be_used_are_named(run, tmp_path, monkeypatch, arguments):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "taken").mkdir()
+    (tmp_path / "taken.png").mkdir()
+    done = run(*arguments)
+    assert done.code == 2
+    assert done.err.startswith(f"glenoid: {arguments[-1]}: ")
+    assert len(done.err.splitlines()) == 1
+
+
+def test_picture_of_the_axes_wants_a_device(run):
+    done = run("info", "--plot", "axes.png")
+    assert done.code == 2
+    assert "--exo" in done.err
+
+
+def test_limits_that_no_person_has_are_refused_by_info_too(run, tmp_path):
+    file = tmp_path / "me.yaml"
+    file.write_text("limits_deg: {elevation: [0, 1000]}\n", encoding="utf-8")
+    done = run("info", "--subject", file)
+    assert done.code == 2
+    for word in ("limits.upper[theta]", "17.45", "rad"):
+        assert word in done.err
+
+
+ROWS = "time_s,q1_rad\n0,0\n0.1,0.1\n"
+TABLES = {
+    "empty": (b"", ["no column time_s"]),
+    "header alone": (b"time_s,q1_rad\n", ["two samples"]),
+    "semicolons": (b"time_s;q1_rad\n0;0\n0,1;0,1\n", ["semicolons", "commas"]),
+    "word": (b"time_s,q1_rad\n0,0\n1,soon\n", [":3:", "q1_rad", "'soon'", "number"]),
+    "ragged": (b"time_s,q1_rad\n0,0\n1\n", [":3:", "1 cells", "2"]),
+    "not finite": (b"time_s,q1_rad\n0,nan\n1,1\n", ["finite"]),
+    "degrees": (b"time_s,q1_deg\n0,10\n1,20\n", ["q1_rad"]),
+    "backwards": (b"time_s,q1_rad\n1,1\n0,1\n", ["time 0.0 s", "grow"]),
+    "Latin-1": (b"time_s,q1_rad\n0,\xe9\n", ["UTF-8"]),
+}
+
+
+@pytest.mark.parametrize("case", TABLES)
+def test_bad_table_is_refused_in_words(run, tmp_path, case):
+    content, words = TABLES[case]
+    file = tmp_path / "motion.csv"
+    file.write_bytes(content)
+    done = run("replay", file)
+    assert done.code == 2
+    assert str(file) in done.err
+    for word in words:
+        assert word in done.err
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        ROWS.encode(),
+        b"\xef\xbb\xbf" + ROWS.encode(),
+        ROWS.replace("\n", "\r\n").encode(),
+        ROWS.replace("\n", "\n\n").encode(),
+    ],
+    ids=["plain", "byte order mark", "CRLF", "blank lines"],
+)
+def test_table_is_read_as_spreadsheets_write_it(tmp_path, content):
+    file = tmp_path / "motion.csv"
+    file.write_bytes(content)
+    recording = read_recording(file)
+    assert recording.time_s.tolist() == [0.0, 0.1]
+    assert recording.position_rad.tolist() == [[0.0], [0.1]]
 
 
 def test_every_problem_of_a_file_is_named_at_once(run, tmp_path):

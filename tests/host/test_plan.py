@@ -165,7 +165,9 @@ def test_console_script_and_module_are_the_same_program():
     assert outputs[0] == outputs[1]
 
 
-@pytest.mark.parametrize("command", ["plan", "simulate", "info", "demo"])
+@pytest.mark.parametrize(
+    "command", ["plan", "simulate", "sweep", "validate", "rehearse", "replay", "source", "info", "demo"]
+)
 def test_every_command_has_help(run, command):
     done = run(command, "--help")
     assert done.code == 0

@@ -295,5 +295,7 @@ def load_device(name_or_file: str | Path) -> Device:
             raise InputError(f"exo = {str(name_or_file)!r}: must be a YAML file or one of {', '.join(device_names())}")
     try:
         return parse_device(path.read_text(encoding="utf-8"), path)
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: {error}") from error
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not readable as YAML: {error}") from error

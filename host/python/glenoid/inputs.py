@@ -148,15 +148,28 @@ def explain(error: ValidationError, origin: str) -> InputError:
     for item in error.errors():
         key = "".join(f": {part}" if k == 0 else f".{part}" for k, part in enumerate(item["loc"]))
         rule = "unknown key" if item["type"] == "extra_forbidden" else item["msg"].removeprefix("Value error, ")
-        value = "" if item["type"] == "missing" else f" = {item['input']!r}"
+        value = f" = {item['input']!r}" if item["loc"] and item["type"] != "missing" else ""
         lines.append(f"{origin}{key}{value if len(value) < 120 else ''}: {rule}")
     return InputError("\n".join(lines))
+
+
+class OnceLoader(yaml.SafeLoader):
+    """Plain YAML in which a key that stands twice is an error, not the last one's victory."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """A mapping whose keys differ."""
+        seen: set[Any] = set()
+        for key, _ in node.value:
+            if key.value in seen:
+                raise yaml.constructor.ConstructorError(None, None, f"{key.value} stands twice", key.start_mark)
+            seen.add(key.value)
+        return super().construct_mapping(node, deep)
 
 
 def read_mapping(path: Path) -> dict[str, Any]:
     """A YAML file whose top level is a mapping. InputError if it is not."""
     try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
+        data = yaml.load(path.read_text(encoding="utf-8"), Loader=OnceLoader)
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:

@@ -102,22 +102,38 @@ def column_names(header: Sequence[str]) -> tuple[list[str], list[str]]:
     return [f"q{k}_rad" for k in range(1, count + 1)], [f"dq{k}_rad_per_s" for k in range(1, count + 1)]
 
 
+def read_table(path: Path) -> tuple[list[str], Array]:
+    """Header and numbers of a CSV file with commas, with or without byte order mark, blank lines left out.
+
+    Raises:
+        InputError: a cell is no number, or a row has not one for each column; the text says in which line.
+    """
+    with path.open(newline="", encoding="utf-8-sig") as file:
+        reader = csv.reader(file)
+        rows = [(reader.line_num, row) for row in reader if row]
+    header = rows[0][1] if rows else []
+    if len(header) == 1 and ";" in header[0]:
+        raise InputError(f"{path}: columns are separated by semicolons: must be commas, and points in the numbers")
+    table = np.empty((max(0, len(rows) - 1), len(header)))
+    for place, (line, row) in zip(table, rows[1:], strict=True):
+        if len(row) != len(header):
+            raise InputError(f"{path}:{line}: {len(row)} cells: must be {len(header)}, one for each column")
+        for k, (name, cell) in enumerate(zip(header, row, strict=True)):
+            try:
+                place[k] = float(cell)
+            except ValueError as error:
+                raise InputError(f"{path}:{line}: {name} = {cell!r}: must be a number") from error
+    return header, table
+
+
 def read_csv(path: Path) -> Recording:
     """Columns time_s and those of `column_names`; others are ignored."""
-    with path.open(newline="", encoding="utf-8") as file:
-        rows = list(csv.reader(file))
-    header = rows[0] if rows else []
+    header, table = read_table(path)
     position, velocity = column_names(header)
     if missing := [name for name in ("time_s", *(position or ["q1_rad"])) if name not in header]:
         raise InputError(
             f"{path}: no column {missing[0]}; a motion of a device has them: glenoid plan --exo NAME --csv"
         )
-    try:
-        table = np.array([[float(cell) for cell in row] for row in rows[1:]], dtype=float)
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from error
-    if table.ndim != 2 or table.shape[1] != len(header):
-        raise InputError(f"{path}: every row must have {len(header)} numbers")
     column = {name: table[:, k] for k, name in enumerate(header)}
     given = set(velocity) <= set(header)
     return make_recording(

@@ -42,6 +42,16 @@ def core_limits(subject: SubjectInput) -> _core.JointLimits:
     return limits
 
 
+def check_subject(subject: SubjectInput) -> None:
+    """InputError with the core's own words if it refuses the person's figures or limits."""
+    try:
+        scaled = _core.scale_subject(core_subject(subject))
+        rhythm = _core.Rhythm(core_rhythm(RhythmInput()), scaled.shoulder_distance_m)
+        _core.make_arm_model(scaled, rhythm, core_limits(subject), True)
+    except ValueError as error:
+        raise InputError(str(error)) from error
+
+
 def core_rhythm(rhythm: RhythmInput) -> _core.RhythmSettings:
     """Rhythm settings."""
     out = _core.RhythmSettings()

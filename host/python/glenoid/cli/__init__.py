@@ -45,4 +45,9 @@ def main() -> int:
         return 2
     except BrokenPipeError:
         return 0
+    except OSError as error:  # a file of the caller: --csv, --plot, --out
+        print(
+            f"glenoid: {error.filename}: {error.strerror}" if error.filename else f"glenoid: {error}", file=sys.stderr
+        )
+        return 2
     return 0

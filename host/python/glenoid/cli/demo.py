@@ -8,11 +8,14 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from glenoid.cli import options as opt
 from glenoid.demo import run_demo
 
 
 def demo(
-    picture: Annotated[Path, typer.Option(help="Where the picture goes.")] = Path("build/demo/reach.png"),
+    picture: Annotated[Path, typer.Option(callback=opt.picture, help="Where the picture goes.")] = Path(
+        "build/demo/reach.png"
+    ),
 ) -> None:
     """Plan a measured reach, run it through both FMUs with FMPy, compare and draw.
 

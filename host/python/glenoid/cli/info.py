@@ -19,6 +19,7 @@ from glenoid.devices import device_names, load_device
 from glenoid.fmus import FILES, fmu_folder, sha256
 from glenoid.inputs import InputError, ReachInput, SubjectInput, load_subject
 from glenoid.report import two_columns
+from glenoid.settings import check_subject
 
 SCHEMAS: dict[str, type[BaseModel]] = {"reach": ReachInput, "subject": SubjectInput}
 SchemaName = Literal["reach", "subject", "exoskeleton"]
@@ -74,7 +75,9 @@ def info(
     subject: opt.SubjectFile = None,
     exo: opt.ExoName = None,
     schema: Annotated[SchemaName | None, typer.Option(help="Print the JSON schema of a file.")] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", help="With --exo: draw the axes (.png, .svg, .pdf).")] = None,
+    plot: Annotated[
+        Path | None, typer.Option("--plot", callback=opt.picture, help="With --exo: draw the axes (.png, .svg, .pdf).")
+    ] = None,
     as_json: opt.AsJson = False,
 ) -> None:
     """Show version, FMUs, models, and which figure of a subject, or with --exo of a device, came from where."""
@@ -82,7 +85,10 @@ def info(
         found = device_schema() if schema == "exoskeleton" else SCHEMAS[schema].model_json_schema()
         print(json.dumps(found, indent=2))
         return
+    if plot is not None and exo is None:
+        raise InputError("--plot: draws the axes of a device; give it with --exo")
     person = load_subject(subject) if subject is not None else SubjectInput()
+    check_subject(person)
     if exo is not None:
         show_device(exo, person, plot, as_json)
         return
@@ -100,10 +106,7 @@ def show_device(exo: str, person: SubjectInput, plot: Path | None, as_json: bool
     if plot is not None:
         from glenoid.device_plot import draw_axes
 
-        try:
-            draw_axes(device, plot)
-        except OSError as error:
-            raise InputError(f"{error.filename}: {error.strerror}") from error
+        draw_axes(device, plot)
     if as_json:
         print(json.dumps(device_to_json(device, person), allow_nan=False))
     else:

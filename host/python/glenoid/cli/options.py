@@ -12,6 +12,28 @@ import typer
 
 from glenoid.inputs import InputError, ReachInput, build_reach, laid_over, load_subject, merged, read_mapping
 
+PICTURES = (".png", ".svg", ".pdf")
+
+
+def picture(path: Path | None) -> Path | None:
+    """The path of a picture. InputError for a format that is not drawn, before anything else is done."""
+    if path is not None and path.suffix.lower() not in PICTURES:
+        raise InputError(f"picture {str(path)!r}: must end in {', '.join(PICTURES)}")
+    return path
+
+
+def within(least: float, most: float) -> Callable[[typer.CallbackParam, float | None], float | None]:
+    """A callback that refuses what is not in a range, and NaN; the option's name says the unit."""
+
+    def check(option: typer.CallbackParam, value: float | None) -> float | None:
+        if value is not None and not least <= value <= most:
+            unit = option.opts[0].rpartition("-")[2]
+            raise InputError(f"{option.opts[0]} = {value:g} {unit}: must be {least:g} to {most:g} {unit}")
+        return value
+
+    return check
+
+
 ReachFile = Annotated[Path | None, typer.Argument(help="Reach as YAML (host/examples); options go over it.")]
 SubjectFile = Annotated[Path | None, typer.Option("--subject", help="Subject as YAML (host/subjects).")]
 StartDeg = Annotated[str | None, typer.Option("--start-q-deg", help="Start posture theta,eta,zeta,phi in deg.")]
@@ -38,7 +60,7 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON and nothing els
 CsvFile = Annotated[Path | None, typer.Option("--csv", help="Write the motion as CSV.")]
 PlotFile = Annotated[
     Path | None,
-    typer.Option("--plot", help="Draw the picture (.png, .svg, .pdf); with --exo a second one, *_exo."),
+    typer.Option("--plot", callback=picture, help="Draw the picture (.png, .svg, .pdf); with --exo a second, *_exo."),
 ]
 
 METRICS = {

@@ -25,7 +25,9 @@ from glenoid.tables import device_columns, motion_columns, reach_to_json, to_tex
 def plan(
     asked: opt.Asked,
     exo: opt.ExoName = None,
-    rate_hz: Annotated[float, typer.Option("--rate-hz", min=1.0, max=1e5, help="Samples per second.")] = 100.0,
+    rate_hz: Annotated[
+        float, typer.Option("--rate-hz", callback=opt.within(1.0, 1e5), help="Samples per second, 1..1e5 Hz.")
+    ] = 100.0,
     check: Annotated[bool, typer.Option("--verify", help="Shoot the path with CVODE; exit 1 if it misses.")] = False,
     batch: Annotated[Path | None, typer.Option(help="JSON list of tasks; prints a JSON list of answers.")] = None,
     as_json: opt.AsJson = False,
@@ -101,17 +103,14 @@ def write_outputs(planned: Reach, csv: Path | None, plot: Path | None, motion: D
     """The files asked for, if there is a motion."""
     if not planned.ok:
         return
-    try:
-        if csv is not None:
-            columns = motion_columns(planned.time_s, planned.samples)
-            write_csv(columns | (device_columns(planned.samples) if motion is not None else {}), csv)
-        if plot is not None:
-            from glenoid.plot import draw_reach
+    if csv is not None:
+        columns = motion_columns(planned.time_s, planned.samples)
+        write_csv(columns | (device_columns(planned.samples) if motion is not None else {}), csv)
+    if plot is not None:
+        from glenoid.plot import draw_reach
 
-            draw_reach(planned, plot)
-        if plot is not None and motion is not None:
-            from glenoid.device_plot import draw_motion
+        draw_reach(planned, plot)
+    if plot is not None and motion is not None:
+        from glenoid.device_plot import draw_motion
 
-            draw_motion(planned, motion, plot.with_stem(plot.stem + "_exo"))
-    except OSError as error:
-        raise InputError(f"{error.filename}: {error.strerror}") from error
+        draw_motion(planned, motion, plot.with_stem(plot.stem + "_exo"))

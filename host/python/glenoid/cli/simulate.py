@@ -14,7 +14,7 @@ from glenoid.cli.plan import plan_with_device, write_outputs
 from glenoid.devices import load_device
 from glenoid.exo import DeviceMotion
 from glenoid.fmus import fmu_path, sha256
-from glenoid.inputs import InputError, ReachInput
+from glenoid.inputs import ReachInput
 from glenoid.reach import REFUSALS, Reach
 from glenoid.report import degrees, metres, two_columns
 from glenoid.simulate import Simulation, difference_from_core
@@ -41,8 +41,15 @@ def simulate(
     asked: opt.Asked,
     exo: opt.ExoName = None,
     fmi: Annotated[Literal["2", "3"], typer.Option(help="Version of FMI.")] = "3",
-    step_s: Annotated[float, typer.Option("--step-s", min=1e-5, help="Communication step, s.")] = 0.01,
-    stop_s: Annotated[float | None, typer.Option("--stop-s", help="End, s; default 0.2 s after the movement.")] = None,
+    step_s: Annotated[
+        float, typer.Option("--step-s", callback=opt.within(1e-5, 10.0), help="Communication step, 1e-5..10 s.")
+    ] = 0.01,
+    stop_s: Annotated[
+        float | None,
+        typer.Option(
+            "--stop-s", callback=opt.within(0.0, 3600.0), help="End, 0..3600 s; else 0.2 s after the movement."
+        ),
+    ] = None,
     as_json: opt.AsJson = False,
     csv: opt.CsvFile = None,
     plot: opt.PlotFile = None,
@@ -56,11 +63,8 @@ def simulate(
     done = run_fmu(given, fmu_path(fmi), step_s, stop_s if stop_s is not None else given.duration_s + 0.2, device)
     difference = difference_from_core(given, done, device)
     if csv is not None:
-        try:
-            columns = motion_columns(done.time_s, done.samples)
-            write_csv(columns | (device_columns(done.samples) if device is not None else {}), csv)
-        except OSError as error:
-            raise InputError(f"{csv}: {error.strerror}") from error
+        columns = motion_columns(done.time_s, done.samples)
+        write_csv(columns | (device_columns(done.samples) if device is not None else {}), csv)
     if plot is not None and done.status not in REFUSALS:
         planned, motion = with_plan(given, exo, done)
         write_outputs(planned, None, plot, motion)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import sys
+
+import typer
+
 from glenoid.cli import options as opt
 from glenoid.cli.plan import plan_with_device
 from glenoid.cli.replay import AllowNetwork, Force, Rate, Timeout, Url, send
 from glenoid.devices import JOINTS, load_device
 from glenoid.findings import describe_refusal
 from glenoid.fmus import fmu_path
-from glenoid.inputs import InputError
 from glenoid.publisher import DEFAULT_URL, Publisher
 from glenoid.source import FmuMotion
 
@@ -30,7 +33,8 @@ def source(
     given = asked.reach
     planned, _ = plan_with_device(given, 100.0, exo)
     if not planned.ok:
-        raise InputError(f"REFUSED  {describe_refusal(planned)}")
+        print(f"glenoid: REFUSED  {describe_refusal(planned)}", file=sys.stderr)
+        raise typer.Exit(1)
     publisher = Publisher(url, allow_network)
     motion = FmuMotion(given, load_device(exo or "generic_75_75"), fmu_path("3"), 1.0 / rate_hz)
     try:

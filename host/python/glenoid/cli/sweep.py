@@ -11,7 +11,6 @@ import typer
 from rich.console import Console
 
 from glenoid.cli.options import AsJson
-from glenoid.inputs import InputError
 from glenoid.sweep.report import print_summary, summarise, write_rows
 from glenoid.sweep.run import run_study
 from glenoid.sweep.study import load_study
@@ -35,12 +34,9 @@ def sweep(
     checked = load_study(study)
     folder = out if out is not None else Path("build/sweeps") / study.stem
     workers = jobs if jobs is not None else len(os.sched_getaffinity(0))
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        summary = summarise(checked, list(write_rows(run_study(checked, workers), checked, folder / "cases.csv")))
-        (folder / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"--out: {error.filename}: {error.strerror}") from error
+    folder.mkdir(parents=True, exist_ok=True)
+    summary = summarise(checked, list(write_rows(run_study(checked, workers), checked, folder / "cases.csv")))
+    (folder / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     if as_json:
         print(to_text(summary))
     else:

@@ -40,7 +40,7 @@ class Range(Strict):
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         if np.shape(self.min) != np.shape(self.max) or np.any(np.asarray(self.min) > np.asarray(self.max)):
-            raise ValueError("min and max must be equally many numbers, min <= max")
+            raise ValueError(f"min = {self.min}, max = {self.max}: must be equally many numbers, min <= max")
         return self
 
     def at(self, share: Any) -> Any:
@@ -59,7 +59,9 @@ class Normal(Range):
     def _within(self) -> Self:
         low, mean, high, sd = (np.asarray(value) for value in (self.min, self.mean, self.max, self.sd))
         if not mean.shape == sd.shape == low.shape or np.any(sd <= 0.0) or np.any((mean < low) | (mean > high)):
-            raise ValueError("mean and sd must be as many numbers as min, min <= mean <= max, sd > 0")
+            raise ValueError(
+                f"mean = {self.mean}, sd = {self.sd}: must be as many numbers as min, min <= mean <= max, sd > 0"
+            )
         return self
 
     def at(self, share: Any) -> Any:
