@@ -100,7 +100,7 @@ Embedding bending(const Chain& c, const Vec6& v) noexcept {
 
 ArmDynamics::ArmDynamics(const ArmLoadSettings& settings)
     : exo_(model_of(settings)),
-      mass_(make_arm_model({settings.upper_arm, settings.forearm, settings.girdle_length_m, {}}, Rhythm(),
+      mass_(make_arm_model({settings.upper_arm, settings.forearm, settings.girdle_length_m, 0.0, {}}, Rhythm(),
                            JointLimits(), true)
                 .mass),
       girdle_length_m_(settings.girdle_length_m),
