@@ -3,6 +3,7 @@
 import csv
 import json
 
+import jsonschema
 import numpy as np
 import pytest
 import scipy.stats
@@ -179,7 +180,8 @@ def test_table_names_counts_and_ranges(run, study_file, tmp_path):
     assert "swivel" in done.out
 
 
-def test_shipped_study_is_valid():
+def test_shipped_study_is_valid(run):
+    jsonschema.validate(yaml.safe_load(EXAMPLE.read_text(encoding="utf-8")), run("info", "--schema", "study").json)
     study = load_study(EXAMPLE)
     assert len(list(cases_of(study))) == 2 * 2 * study.draws * len(study.exoskeletons)
 

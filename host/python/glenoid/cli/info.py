@@ -20,9 +20,10 @@ from glenoid.fmus import FILES, fmu_folder, sha256
 from glenoid.inputs import InputError, ReachInput, SubjectInput, load_subject
 from glenoid.report import two_columns
 from glenoid.settings import check_subject
+from glenoid.sweep.study import Study
 
-SCHEMAS: dict[str, type[BaseModel]] = {"reach": ReachInput, "subject": SubjectInput}
-SchemaName = Literal["reach", "subject", "exoskeleton"]
+SCHEMAS: dict[str, type[BaseModel]] = {"reach": ReachInput, "subject": SubjectInput, "study": Study}
+SchemaName = Literal["reach", "subject", "exoskeleton", "study"]
 
 
 def rhythm_available(name: str) -> bool:
