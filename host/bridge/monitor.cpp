@@ -11,6 +11,7 @@
 #include "host/bridge/core/canopen.hpp"
 #include "host/bridge/core/cia402.hpp"
 #include "host/bridge/core/codec.hpp"
+#include "host/bridge/core/pdo_table.hpp"
 #include "host/bridge/loop/realtime.hpp"
 
 namespace glenoid::bridge {
@@ -75,7 +76,7 @@ void take(const Config& config, std::size_t bus, const can::Received& received, 
     std::printf("%12.3f s  %s  node %u: %s\n", at_s, config.buses[bus].name.c_str(), node,
                 canopen::words(static_cast<Nmt>(frame.data[0])).data());
   }
-  if ((frame.id & 0x780U) == 0x180U)
+  if ((frame.id & 0x780U) == kTpdo1.cob_id)
     if (const auto value = decode_tpdo1(frame)) seen.feedback[node] = *value;
 }
 

@@ -103,6 +103,27 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"no_mapping", "side: right", "- right", {"YAML"}}),
     [](const auto& tested) { return tested.param.name; });
 
+TEST(BridgeConfig, SecondTpdoCountsInTheBusLoad) {
+  const std::string with = replaced(example("six_drives.yaml"), "rpdo_phase: 0.5}",
+                                    "rpdo_phase: 0.5, second_tpdo_every: 10}");
+  const Config plain = parse_config(example("six_drives.yaml")), second = parse_config(with);
+  EXPECT_EQ(second.settings.second_tpdo_every, 10);
+  // Six frames of 6 bytes, 115 bits at worst, 50 times a second, on 1 Mbit/s.
+  EXPECT_NEAR(second.buses[0].worst_case_load - plain.buses[0].worst_case_load, 6 * 115 * 50 / 1e6, 1e-12);
+  EXPECT_NE(config_hash(plain), config_hash(second));
+}
+
+TEST(BridgeConfig, DriveThatCannotWatchTheMasterNeedsAWordInTheFile) {
+  const std::string with = replaced(example("six_drives.yaml"), "name: elbow,",
+                                    "name: elbow, drive: {heartbeat_consumer: missing_is_accepted},");
+  const Config plain = parse_config(example("six_drives.yaml")), accepted = parse_config(with);
+  EXPECT_FALSE(plain.settings.joints[5].may_lack_heartbeat_consumer);
+  EXPECT_TRUE(accepted.settings.joints[5].may_lack_heartbeat_consumer);
+  EXPECT_FALSE(accepted.settings.joints[4].may_lack_heartbeat_consumer);
+  EXPECT_EQ(accepted.warnings.size(), plain.warnings.size() + 1);
+  EXPECT_NE(config_hash(plain), config_hash(accepted));
+}
+
 TEST(BridgeConfig, FilesThatAreNoneAreRefused) {
   for (const char* yaml : {"", "[]", "a: b", "exoskeletons:", "exoskeletons: {}", "exoskeletons: [1]", "{{{", "\t",
                            "exoskeletons: {a: }", "exoskeletons: {a: {buses: 3}}", "&a [*a]"})

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "bridge_motions.hpp"
+#include "host/bridge/core/codec.hpp"
 
 namespace glenoid::bridge::test {
 namespace {
@@ -91,6 +92,56 @@ TEST(BridgeStartUp, OptionalObjectsMayBeMissing) {
   for (const std::uint32_t sub : {3U, 5U}) rig.drives[0].objects.erase(FakeDrive::key(0x1800, sub));
   rig.drives[0].objects.erase(FakeDrive::key(0x1401, 1));
   EXPECT_TRUE(rig.configure()) << rig.told();
+}
+
+TEST(BridgeStartUp, DriveThatCannotWatchTheMasterIsRefused) {
+  Rig rig(six_drives(2));
+  rig.drives[1].objects.erase(FakeDrive::key(0x1016, 1));
+  rig.run_for(2000 * kMs);
+  EXPECT_FALSE(rig.bridge.configured());
+  EXPECT_EQ(rig.bridge.fault(), Fault::StartUpFailed) << rig.told();
+  EXPECT_NE(rig.told().find("1016h"), std::string::npos) << rig.told();
+}
+
+TEST(BridgeStartUp, DriveThatCannotWatchTheMasterIsTakenWhereThatIsAcceptedAndTold) {
+  Settings settings = six_drives(2);
+  settings.joints[1].may_lack_heartbeat_consumer = true;
+  Rig rig(settings);
+  rig.drives[1].objects.erase(FakeDrive::key(0x1016, 1));
+  EXPECT_TRUE(rig.configure()) << rig.told();
+  const Event* event = rig.first_event(static_cast<std::int32_t>(Notice::DriveUnwatched));
+  ASSERT_NE(event, nullptr);
+  EXPECT_EQ(event->node, 2);
+  EXPECT_EQ(event->severity, Severity::Warning);
+  // Accepted is not wanted: one that has the object is still given it, and one that has it without keeping it is refused.
+  Rig able(settings);
+  EXPECT_TRUE(able.configure());
+  EXPECT_NE(able.drives[1].objects.at(FakeDrive::key(0x1016, 1)), 0U);
+  EXPECT_FALSE(able.has_event(static_cast<std::int32_t>(Notice::DriveUnwatched)));
+}
+
+TEST(BridgeStartUp, SecondTpdoIsOffUnlessAskedFor) {
+  Rig rig(six_drives(1));
+  ASSERT_TRUE(rig.configure()) << rig.told();
+  EXPECT_NE(rig.drives[0].objects.at(FakeDrive::key(0x1801, 1)) & 0x8000'0000U, 0U);
+}
+
+TEST(BridgeStartUp, SecondTpdoIsMappedAndItsErrorCodeIsShown) {
+  Settings settings = six_drives(1);
+  settings.second_tpdo_every = 10;
+  Rig rig(settings);
+  ASSERT_TRUE(rig.configure()) << rig.told();
+  const auto object = [&](std::uint32_t index, std::uint32_t sub) {
+    return rig.drives[0].objects.at(FakeDrive::key(index, sub));
+  };
+  EXPECT_EQ(object(0x1801, 1) & 0x8000'07FFU, 0x281U);
+  EXPECT_EQ(object(0x1801, 2) & 0xFFU, 10U);
+  EXPECT_EQ(object(0x1A01, 0) & 0xFFU, 2U);
+  EXPECT_EQ(object(0x1A01, 1), 0x606C'0020U);
+  EXPECT_EQ(object(0x1A01, 2), 0x603F'0010U);
+  rig.error_frame(0, encode(1, Tpdo2{-1234, 0x8611}));
+  rig.run_for(150 * kMs);
+  EXPECT_EQ(rig.statuses.back().drive[0].error_code, 0x8611);
 }
 
 TEST(BridgeStartUp, NmtIsConfirmedByTheHeartbeat) {

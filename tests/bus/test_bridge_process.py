@@ -317,6 +317,23 @@ def test_figures_can_be_looked_at_while_it_runs(start):
     assert files[-1]["cycle_cpu_us"]["count"] > files[0]["cycle_cpu_us"]["count"]
 
 
+def test_monitor_says_in_words_what_happens_on_the_buses(start, tmp_path):
+    bridge = start()
+    bridge.run(0.3)
+    words = [program("glenoid-bridge"), tmp_path / "six.yaml", "--monitor", "--duration", "6"]
+    listener = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+    bridge.stream(2.5)
+    bridge.process.kill()  # the drives miss their master and say so
+    seen, _ = listener.communicate(timeout=20)
+    assert listener.returncode == 0
+    assert re.search(r"SYNC [1-9]\d*/s", seen), seen
+    for node in NODES:
+        assert f"node {node}: operational" in seen
+        assert re.search(rf"\[{node}\] operation enabled -?\d+\.\d+ rad", seen), seen
+        assert f"node {node}: EMCY 8130h heartbeat of the master lost" in seen, seen
+        assert f"node {node}: pre-operational" in seen, seen
+
+
 def last_target(frames):
     return [(data[0], target_of(data)) for _, identifier, data in frames if identifier == 0x201][-1]
 

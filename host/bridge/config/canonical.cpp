@@ -41,6 +41,7 @@ std::string canonical(const Config& config) {
                                                                    {"feedback_misses", s.feedback_misses},
                                                                    {"transmit_skips", s.transmit_skips}})
     count(key, value);
+  if (s.second_tpdo_every > 0) count("second_tpdo_every", s.second_tpdo_every);
   for (const BusConfig& bus : config.buses) line("bus " + bus.name, bus.bit_rate_bit_per_s);
   for (const JointSettings& j : s.joints) {
     text += "joint " + j.name + "\n";
@@ -70,6 +71,7 @@ std::string canonical(const Config& config) {
                                                                      {"vendor", j.vendor},
                                                                      {"product", j.product}})
       count(key, value);
+    if (j.may_lack_heartbeat_consumer) text += "may lack 1016h\n";
     for (const ExtraObject& o : j.objects)
       count("object " + std::to_string(o.index) + ":" + std::to_string(o.subindex) + "/" + std::to_string(o.bytes),
             o.value);

@@ -27,6 +27,7 @@ void read_timing(YamlReader& exo, Config& config) {
   Settings& s = config.settings;
   YamlReader sync = exo.mapping("sync");
   s.period_ns = sync.milliseconds("period_ms", {0.5, 100.0}, 2.0);
+  s.second_tpdo_every = static_cast<std::uint8_t>(sync.integer("second_tpdo_every", 0, 240, 0));
   config.rpdo_phase = sync.number("rpdo_phase", {0.1, 0.9}, 0.5);
   sync.finish();
 
@@ -123,6 +124,7 @@ void read_drive(YamlReader drive, JointSettings& own) {
   own.fault_reaction = static_cast<std::int16_t>(drive.integer("fault_reaction", 0, 4, 2));
   own.vendor = static_cast<std::uint32_t>(drive.integer("vendor", 0, 0xFFFFFFFF, 0));
   own.product = static_cast<std::uint32_t>(drive.integer("product", 0, 0xFFFFFFFF, 0));
+  own.may_lack_heartbeat_consumer = drive.choice("heartbeat_consumer", {"needed", "missing_is_accepted"}, 0) == 1;
   const YAML::Node objects = drive.list("objects");
   for (std::size_t k = 0; objects.IsDefined() && k < objects.size(); ++k) {
     YamlReader object(objects[k], drive.path() + ".objects[" + std::to_string(k) + "]");
@@ -159,6 +161,8 @@ void read_joint(YamlReader& joint, Config& config) {
   own.following_time_ns = following.milliseconds("time_ms", {0.0, 5000.0}, 20.0);
   following.finish();
   read_drive(joint.mapping("drive"), own);
+  if (own.may_lack_heartbeat_consumer)
+    config.warnings.push_back(own.name + ": a drive that does not notice when the bridge is gone is accepted");
   try {  // whether every object has room for its value is known where they are written
     static_cast<void>(configuration_steps(config.settings, own));
   } catch (const std::invalid_argument& error) {
@@ -190,6 +194,8 @@ void check_load(YamlReader& exo, Config& config) {
         std::count_if(s.joints.begin(), s.joints.end(), [&](const JointSettings& j) { return j.bus == b; }));
     traffic.rpdo_bytes = kRpdo1.bytes();
     traffic.tpdo_bytes = kTpdo1.bytes();
+    if (s.second_tpdo_every > 0) traffic.second_tpdo_rate_hz = traffic.sync_rate_hz / s.second_tpdo_every;
+    traffic.second_tpdo_bytes = kTpdo2.bytes();
     traffic.drive_heartbeat_rate_hz = 1e9 / static_cast<double>(s.drive_heartbeat_ns);
     traffic.master_heartbeat_rate_hz = 1e9 / static_cast<double>(s.master_heartbeat_ns);
     if (traffic.drives == 0) exo.fail("buses", "bus " + config.buses[b].name + " has no drive");

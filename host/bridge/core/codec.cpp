@@ -33,6 +33,8 @@ constexpr std::size_t kTarget = offset(kRpdo1, 1);
 constexpr std::size_t kStatusword = offset(kTpdo1, 0);
 constexpr std::size_t kPosition = offset(kTpdo1, 1);
 constexpr std::size_t kTorque = offset(kTpdo1, 2);
+constexpr std::size_t kVelocity = offset(kTpdo2, 0);
+constexpr std::size_t kErrorCode = offset(kTpdo2, 1);
 
 }  // namespace
 
@@ -51,6 +53,13 @@ can::Frame encode(std::uint8_t node, const Tpdo1& value) noexcept {
   return frame;
 }
 
+can::Frame encode(std::uint8_t node, const Tpdo2& value) noexcept {
+  can::Frame frame = frame_of(kTpdo2, node);
+  put_u32(frame, kVelocity, static_cast<std::uint32_t>(value.velocity_actual));
+  put_u16(frame, kErrorCode, value.error_code);
+  return frame;
+}
+
 std::optional<Rpdo1> decode_rpdo1(const can::Frame& frame) noexcept {
   if (!fits(frame, kRpdo1)) return std::nullopt;
   return Rpdo1{get_u16(frame, kControlword), static_cast<std::int32_t>(get_u32(frame, kTarget))};
@@ -60,6 +69,11 @@ std::optional<Tpdo1> decode_tpdo1(const can::Frame& frame) noexcept {
   if (!fits(frame, kTpdo1)) return std::nullopt;
   return Tpdo1{get_u16(frame, kStatusword), static_cast<std::int32_t>(get_u32(frame, kPosition)),
                static_cast<std::int16_t>(get_u16(frame, kTorque))};
+}
+
+std::optional<Tpdo2> decode_tpdo2(const can::Frame& frame) noexcept {
+  if (!fits(frame, kTpdo2)) return std::nullopt;
+  return Tpdo2{static_cast<std::int32_t>(get_u32(frame, kVelocity)), get_u16(frame, kErrorCode)};
 }
 
 Scale::Scale(const JointSettings& joint) noexcept

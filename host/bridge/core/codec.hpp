@@ -23,12 +23,20 @@ struct Tpdo1 {
   friend bool operator==(const Tpdo1&, const Tpdo1&) = default;
 };
 
+struct Tpdo2 {
+  std::int32_t velocity_actual = 0;
+  std::uint16_t error_code = 0;
+  friend bool operator==(const Tpdo2&, const Tpdo2&) = default;
+};
+
 [[nodiscard]] can::Frame encode(std::uint8_t node, const Rpdo1& value) noexcept;
 [[nodiscard]] can::Frame encode(std::uint8_t node, const Tpdo1& value) noexcept;
+[[nodiscard]] can::Frame encode(std::uint8_t node, const Tpdo2& value) noexcept;
 
 /// Empty where the frame is not this PDO: other size, extended, remote or error. The id is not looked at.
 [[nodiscard]] std::optional<Rpdo1> decode_rpdo1(const can::Frame& frame) noexcept;
 [[nodiscard]] std::optional<Tpdo1> decode_tpdo1(const can::Frame& frame) noexcept;
+[[nodiscard]] std::optional<Tpdo2> decode_tpdo2(const can::Frame& frame) noexcept;
 
 /// rad to counts and back for one joint.
 class Scale {

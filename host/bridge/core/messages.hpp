@@ -92,6 +92,7 @@ enum class Notice : std::int32_t {
   PurgeFailed = 120,
   EventsLost = 121,
   StateChanged = 122,
+  DriveUnwatched = 123,  ///< it has no 1016h, and the configuration accepts that
 };
 
 enum class Severity : std::int32_t { Info = 0, Warning = 1, Error = 2 };

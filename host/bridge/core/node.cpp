@@ -83,6 +83,8 @@ void Node::receive(const can::Frame& frame, std::int64_t now_ns, Reporter& repor
   const std::uint32_t function = frame.id - joint_->node;
   if (function == kTpdo1.cob_id) {
     on_feedback(frame);
+  } else if (function == kTpdo2.cob_id) {
+    on_second_feedback(frame);
   } else if (function == canopen::kHeartbeatId && frame.size == 1) {
     on_heartbeat(static_cast<Nmt>(frame.data[0] & 0x7F), now_ns, reporter);
   } else if (function == canopen::kEmergencyId && frame.size == 8) {
@@ -98,6 +100,11 @@ void Node::on_feedback(const can::Frame& frame) noexcept {
   feedback_ = *value;
   state_ = cia402::decode(value->statusword);
   has_feedback_ = arrived_ = true;
+}
+
+void Node::on_second_feedback(const can::Frame& frame) noexcept {
+  const auto value = decode_tpdo2(frame);
+  if (value && value->error_code != 0) error_code_ = value->error_code;  // 0 may be older than the last EMCY
 }
 
 void Node::on_heartbeat(Nmt nmt, std::int64_t now_ns, Reporter& reporter) noexcept {
@@ -220,6 +227,11 @@ void Node::step_list(const std::vector<StartupStep>& list, Phase next, std::int6
     const bool absent = result.outcome == SdoClient::Outcome::Aborted &&
                         (result.value == canopen::kAbortNoObject || result.value == canopen::kAbortNoSubindex);
     if (step.kind == StartupStep::Kind::WriteIfPresent && absent) {
+      if (step.index == kHeartbeatConsumer)
+        reporter.report(
+            Severity::Warning, code(Notice::DriveUnwatched), subject_, 0, 0,
+            "%s: node %d has no 1016h: it will not stop when the bridge is gone; the configuration accepts that",
+            joint_->name.c_str(), joint_->node);
       ++step_;
       asked_ = verifying_ = false;
     } else if (result.outcome != SdoClient::Outcome::Done) {
@@ -295,7 +307,7 @@ void Node::step_mode(std::int64_t now_ns, Reporter& reporter) noexcept {
 void Node::step_release(std::int64_t now_ns, BusOutput& output, Reporter& reporter) noexcept {
   if (sdo_.busy()) return;
   if (!asked_) {
-    sdo_.download(0x1016, 1, 4, 0);
+    sdo_.download(kHeartbeatConsumer, 1, 4, 0);
     asked_ = true;
     return;
   }

@@ -76,6 +76,7 @@ class Node {
   void on_heartbeat(Nmt nmt, std::int64_t now_ns, Reporter& reporter) noexcept;
   void on_emergency(const can::Frame& frame, Reporter& reporter) noexcept;
   void on_feedback(const can::Frame& frame) noexcept;
+  void on_second_feedback(const can::Frame& frame) noexcept;
   void step_probe(std::int64_t now_ns, Reporter& reporter) noexcept;
   void step_list(const std::vector<StartupStep>& list, Phase next, std::int64_t now_ns, Reporter& reporter) noexcept;
   void step_nmt(std::uint8_t command, Nmt wanted, Phase next, std::int64_t now_ns, BusOutput& output,

@@ -52,10 +52,17 @@ inline constexpr std::array<PdoEntry, 3> kTpdo1Entries = {{
     {0x6077, 0, 16, true, "torque_actual", "per mille of rated torque"},
 }};
 
+inline constexpr std::array<PdoEntry, 2> kTpdo2Entries = {{
+    {0x606C, 0, 32, true, "velocity_actual", "count/s"},
+    {0x603F, 0, 16, false, "error_code", ""},
+}};
+
 inline constexpr Pdo kRpdo1 = {"RPDO1", true, 0x1400, 0x1600, 0x200, 1, kRpdo1Entries};
 inline constexpr Pdo kTpdo1 = {"TPDO1", false, 0x1800, 0x1A00, 0x180, 1, kTpdo1Entries};
-inline constexpr std::array<Pdo, 2> kPdoTable = {kRpdo1, kTpdo1};
+/// Off unless the configuration asks for it, and how often.
+inline constexpr Pdo kTpdo2 = {"TPDO2", false, 0x1801, 0x1A01, 0x280, 10, kTpdo2Entries};
+inline constexpr std::array<Pdo, 3> kPdoTable = {kRpdo1, kTpdo1, kTpdo2};
 
-static_assert(kRpdo1.bytes() == 6 && kTpdo1.bytes() == 8);
+static_assert(kRpdo1.bytes() == 6 && kTpdo1.bytes() == 8 && kTpdo2.bytes() == 6);
 
 }  // namespace glenoid::bridge

@@ -45,10 +45,11 @@ struct JointSettings {
   std::int64_t following_time_ns = 0;
   OnLimit on_limit = OnLimit::Clamp;
 
-  std::int16_t quick_stop_option = 6;  ///< 605Ah: 2 ramp, then off; 6 ramp and stay
-  std::int16_t fault_reaction = 2;     ///< 605Eh
-  std::uint32_t vendor = 0;            ///< 1018h:01, 0: any
-  std::uint32_t product = 0;           ///< 1018h:02, 0: any
+  std::int16_t quick_stop_option = 6;        ///< 605Ah: 2 ramp, then off; 6 ramp and stay
+  std::int16_t fault_reaction = 2;           ///< 605Eh
+  std::uint32_t vendor = 0;                  ///< 1018h:01, 0: any
+  std::uint32_t product = 0;                 ///< 1018h:02, 0: any
+  bool may_lack_heartbeat_consumer = false;  ///< without 1016h it goes on when the bridge is gone; somebody accepted that
   std::vector<ExtraObject> objects;
 };
 
@@ -65,6 +66,7 @@ struct Settings {
   std::vector<JointSettings> joints;
 
   std::int64_t period_ns = 2'000'000;
+  std::uint8_t second_tpdo_every = 0;  ///< SYNCs from one TPDO2 to the next, 0: off
   std::int64_t setpoint_period_ns = 2'000'000;
   std::int64_t delay_ns = 4'000'000;  ///< setpoints are followed this much later
   TimeBase time_base = TimeBase::Stamp;

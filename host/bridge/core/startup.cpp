@@ -54,7 +54,7 @@ void add_limits(std::vector<StartupStep>& steps, const JointSettings& joint) {
   steps.push_back(write(0x607D, 2, 4, bits_of(high), "software position limit, upper"));
 }
 
-void add_pdo(std::vector<StartupStep>& steps, const Pdo& pdo, std::uint8_t node) {
+void add_pdo(std::vector<StartupStep>& steps, const Pdo& pdo, std::uint8_t node, std::uint8_t transmission) {
   const std::uint32_t cob_id = (pdo.cob_id + node) | (pdo.receive ? 0U : canopen::kCobNoRemote);
   const std::uint8_t count = static_cast<std::uint8_t>(pdo.entries.size());
   // The order is CiA 301's: switch off, clear the mapping, fill it, count, type, switch on.
@@ -63,7 +63,7 @@ void add_pdo(std::vector<StartupStep>& steps, const Pdo& pdo, std::uint8_t node)
   for (std::uint8_t k = 0; k < count; ++k)
     steps.push_back(write(pdo.mapping, static_cast<std::uint8_t>(k + 1), 4, pdo.entries[k].mapping(), "PDO mapping"));
   steps.push_back(write(pdo.mapping, 0, 1, count, "PDO mapping count"));
-  steps.push_back(write(pdo.communication, 2, 1, pdo.transmission, "PDO transmission type"));
+  steps.push_back(write(pdo.communication, 2, 1, transmission, "PDO transmission type"));
   if (!pdo.receive) {
     steps.push_back(write(pdo.communication, 3, 2, 0, "PDO inhibit time", Kind::WriteIfPresent));
     steps.push_back(write(pdo.communication, 5, 2, 0, "PDO event timer", Kind::WriteIfPresent));
@@ -74,9 +74,10 @@ void add_pdo(std::vector<StartupStep>& steps, const Pdo& pdo, std::uint8_t node)
 }
 
 /// PDOs that the bridge does not use would only load the bus.
-void add_unused_pdos(std::vector<StartupStep>& steps, std::uint8_t node) {
+void add_unused_pdos(std::vector<StartupStep>& steps, std::uint8_t node, bool second_tpdo) {
   for (std::uint16_t k = 1; k < 4; ++k) {
-    for (const Pdo& pdo : kPdoTable) {
+    for (const Pdo& pdo : {kRpdo1, kTpdo1}) {
+      if (second_tpdo && pdo.communication + k == kTpdo2.communication) continue;
       StartupStep off = write(static_cast<std::uint16_t>(pdo.communication + k), 1, 4,
                               (pdo.cob_id + 0x100U * k + node) | canopen::kCobInvalid, "unused PDO off",
                               Kind::WriteIfPresent);
@@ -103,7 +104,8 @@ std::vector<StartupStep> configuration_steps(const Settings& settings, const Joi
   const std::uint32_t consumer = (static_cast<std::uint32_t>(settings.master_id) << 16) |
                                  ms(settings.consumer_heartbeat_ns);
   steps.push_back(write(0x1017, 0, 2, ms(settings.drive_heartbeat_ns), "heartbeat of the drive"));
-  steps.push_back(write(0x1016, 1, 4, consumer, "heartbeat of the master"));
+  steps.push_back(write(kHeartbeatConsumer, 1, 4, consumer, "heartbeat of the master",
+                        joint.may_lack_heartbeat_consumer ? Kind::WriteIfPresent : Kind::Write));
   steps.push_back(write(0x1029, 1, 1, 0, "on communication error: pre-operational"));
   steps.push_back(write(0x6007, 0, 2, 3, "on connection loss: quick stop"));
   steps.push_back(write(0x605A, 0, 2, bits_of(joint.quick_stop_option), "quick stop option"));
@@ -117,8 +119,10 @@ std::vector<StartupStep> configuration_steps(const Settings& settings, const Joi
   for (const ExtraObject& object : joint.objects)
     steps.push_back(
         write(object.index, object.subindex, object.bytes, bits_of(object.value), "object of the configuration"));
-  for (const Pdo& pdo : kPdoTable) add_pdo(steps, pdo, joint.node);
-  add_unused_pdos(steps, joint.node);
+  for (const Pdo& pdo : {kRpdo1, kTpdo1}) add_pdo(steps, pdo, joint.node, pdo.transmission);
+  const bool second_tpdo = settings.second_tpdo_every > 0;
+  if (second_tpdo) add_pdo(steps, kTpdo2, joint.node, settings.second_tpdo_every);
+  add_unused_pdos(steps, joint.node, second_tpdo);
   steps.push_back(write(0x6060, 0, 1, cia402::kModeCsp, "mode of operation: cyclic position"));
   return steps;
 }

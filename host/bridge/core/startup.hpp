@@ -10,6 +10,8 @@
 
 namespace glenoid::bridge {
 
+inline constexpr std::uint16_t kHeartbeatConsumer = 0x1016;
+
 /// One access to a drive's dictionary.
 struct StartupStep {
   enum class Kind : std::uint8_t {
