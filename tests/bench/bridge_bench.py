@@ -1,7 +1,8 @@
 """SYNC jitter, latency and processor time of the bridge, beside a Python canopen master, both seen by one observer.
 
 Drives, master and observer share a UDP bus (python-can's udp_multicast); the observer's stamps are the kernel's.
-Prints one JSON object per case.
+Runs every case one after another: both rates, both cores idle and busy, SCHED_FIFO on and off, and the peer under the same load.
+Prints one JSON object per case as it ends, and a table of all of them.
 """
 
 import argparse
@@ -188,6 +189,54 @@ def load(on):
     return [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(os.cpu_count() or 1)]
 
 
+HEAD = (
+    ("master", "{}"),
+    ("Hz", "{}"),
+    ("load", "{}"),
+    ("FIFO", "{}"),
+    ("SYNC p50", "{:.1f}"),
+    ("p99", "{:.0f}"),
+    ("p99.9", "{:.0f}"),
+    ("max", "{:.0f}"),
+    ("times", "{:.1f}"),
+    ("RPDO p99", "{:.0f}"),
+    ("to wire p50", "{:.0f}"),
+    ("cycle", "{:.0f}"),
+    ("awake", "{:.0f}"),
+    ("core", "{:.0f}"),
+    ("port", "{:.0f}"),
+    ("LCM", "{:.0f}"),
+    ("left out", "{}"),
+)
+
+
+def row(case, peer):
+    """One line of the table; None where a case has no such figure. `times`: the peer's p99 over this one's."""
+    own, sync = case.get("own", {}), case.get("sync_interval_error_us", {})
+    median = lambda name: own.get(f"{name}_us", {}).get("p50")  # noqa: E731
+    against = peer and sync and peer["sync_interval_error_us"]["p99"] / sync["p99"]
+    cells = [case["master"], case["rate_hz"], case["load"], case["fifo"] or "off"]
+    cells += [sync.get(name) for name in ("p50", "p99", "p99.9", "max")]
+    cells += [against or None, case.get("rpdo_after_sync_us", {}).get("p99"), median("setpoint_to_wire")]
+    cells += [median(f"cycle_{part}") for part in ("cpu", "awake", "core", "port", "lcm")]
+    return [*cells, own.get("late_cycles")]
+
+
+def table(cases):
+    """All cases, us; processor time per cycle is the median of the loop's thread, and of it the four parts."""
+    peers = {
+        (c["rate_hz"], c["load"]): c for c in cases if c["master"] == "canopen" and c.get("sync_interval_error_us")
+    }
+    lines = [[name for name, _ in HEAD]]
+    for case in cases:
+        cells = row(case, peers.get((case["rate_hz"], case["load"])))
+        lines.append(["-" if c is None else form.format(c) for (_, form), c in zip(HEAD, cells, strict=True)])
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    text = ["  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)) for line in lines]
+    refused = [f"{c['master']} {c['rate_hz']} Hz {c['load']}: {c['refused']}" for c in cases if "refused" in c]
+    return "\n".join(text + refused)
+
+
 def main():
     parser = argparse.ArgumentParser(prog="glenoid-bench bridge", description=__doc__)
     parser.add_argument("--seconds", type=float, default=60.0)
@@ -195,8 +244,10 @@ def main():
     parser.add_argument("--loads", nargs="+", choices=["idle", "busy"], default=["idle", "busy"])
     parser.add_argument("--priorities", type=int, nargs="+", default=[80, 0], help="0: no SCHED_FIFO")
     parser.add_argument("--no-peer", action="store_true", help="without the canopen master")
+    parser.add_argument("--json", type=Path, help="all cases to this file, too")
     options = parser.parse_args()
     port = PORT
+    done = []
     for rate_hz in options.rates_hz:
         for kind in options.loads:
             cases = [("bridge", priority) for priority in options.priorities]
@@ -222,7 +273,11 @@ def main():
                     "fifo": priority,
                     "seconds": options.seconds,
                 }
-                print(json.dumps(case | figures), flush=True)
+                done.append(case | figures)
+                print(json.dumps(done[-1]), flush=True)
+    print(table(done))
+    if options.json:
+        options.json.write_text(json.dumps(done, indent=1), encoding="utf-8")
 
 
 if __name__ == "__main__":
