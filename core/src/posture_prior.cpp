@@ -13,7 +13,7 @@
 namespace glenoid {
 namespace {
 
-constexpr double kFar = 0.2;      // arm lengths at which half of the regression has happened
+constexpr double kFar = 0.2;      // spans at which half of the regression has happened
 constexpr double kLevers = 0.03;  // product of the two levers below at which half of the anchor's swivel angle is believed
 
 /// Radius of the elbow's circle about the line shoulder-wrist in upper-arm lengths, and the sine of that line's angle to the
@@ -43,7 +43,7 @@ double saturating(double x, double scale) { return x * x / (x * x + scale * scal
 }  // namespace
 
 PosturePrior::PosturePrior(const PosturePriorCoefficients& c, const ArmModel& arm, const Posture& anchor)
-    : coefficients_(c), length_m_(arm.upper_arm.length_m + arm.forearm.length_m) {
+    : coefficients_(c) {
   const std::array<std::pair<const char*, double>, 5> all{{{"height", c.height_rad},
                                                            {"lateral", c.lateral_rad},
                                                            {"regression", c.regression},
@@ -70,7 +70,7 @@ PosturePrior::PosturePrior(const PosturePriorCoefficients& c, const ArmModel& ar
 }
 
 double PosturePrior::swivel(const Vec3& target) const noexcept {
-  const Vec3 d = (target - wrist_) / length_m_;
+  const Vec3 d = (target - wrist_) / kPriorSpan;
   const PosturePriorCoefficients& c = coefficients_;
   return own_rad_ + c.height_rad * d.z() + c.lateral_rad * d.x() +
          c.regression * saturating(d.norm(), kFar) * (c.common_rad - own_rad_);

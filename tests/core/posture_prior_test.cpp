@@ -45,11 +45,10 @@ TEST(PosturePrior, RisesWithTheTargetAndFallsOutward) {
   c.regression = 0.0;
   const PosturePrior prior = prior_at(arm, kStart, c);
   const Vec3 wrist = forward_kinematics(arm, kStart).wrist;
-  const double length = arm.upper_arm.length_m + arm.forearm.length_m;
   const double here = prior.swivel(wrist);
-  EXPECT_NEAR(prior.swivel(wrist + length * Vec3::UnitZ()) - here, c.height_rad, 1e-14);
-  EXPECT_NEAR(prior.swivel(wrist + length * Vec3::UnitX()) - here, c.lateral_rad, 1e-14);
-  EXPECT_NEAR(prior.swivel(wrist + length * Vec3::UnitY()) - here, 0.0, 1e-14);
+  EXPECT_NEAR(prior.swivel(wrist + kPriorSpan * Vec3::UnitZ()) - here, c.height_rad, 1e-14);
+  EXPECT_NEAR(prior.swivel(wrist + kPriorSpan * Vec3::UnitX()) - here, c.lateral_rad, 1e-14);
+  EXPECT_NEAR(prior.swivel(wrist + kPriorSpan * Vec3::UnitY()) - here, 0.0, 1e-14);
 }
 
 TEST(PosturePrior, RegressesToTheCommonSwivelFarFromTheAnchor) {

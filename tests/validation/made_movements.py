@@ -21,9 +21,11 @@ def points_of(q, shoulder_m, upper_m=UPPER_M, fore_m=FORE_M):
     return elbow, elbow - fore_m * fore
 
 
-def synthetic(name, subject, q0, q1, *, slope_m=None, duration_s=1.0, task="reach_forward", samples=120):
-    """A movement straight in joint angles with a minimum-jerk time law; the shoulder follows u with a given slope."""
-    u = np.linspace(0.0, 1.0, samples)
+def synthetic(
+    name, subject, q0, q1, *, slope_m=None, duration_s=1.0, task="reach_forward", samples=120, part=(0.0, 1.0)
+):
+    """A part of a movement straight in joint angles with a minimum-jerk time law; the shoulder follows u with a given slope."""
+    u = np.linspace(*part, samples)
     s = u**3 * (10 - 15 * u + 6 * u**2)
     q = np.asarray(q0) + s[:, None] * (np.asarray(q1) - np.asarray(q0))
     direction = -np.stack([_core.posture_from_angles(row).R_TU[:, 2] for row in q])

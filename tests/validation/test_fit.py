@@ -7,10 +7,11 @@ from glenoid import _core
 from glenoid.inputs import InputError, build_reach
 from glenoid.settings import core_motion
 from glenoid.validate import coefficients as fits
+from glenoid.validate.clock import CUT, cut_progress, homing, minimum_jerk, shown_part, shown_shares
 from glenoid.validate.movements import load_npz
 from made_movements import crowd, synthetic, write_npz
 
-SLOPE = np.array([[0.01, -0.02, 0.0], [-0.04, 0.02, 0.005], [0.0, 0.01, 0.03]])
+SLOPE = np.array([[0.0, 0.0, -0.02], [-0.04, 0.02, 0.0], [0.0, 0.0, 0.03]])  # the four slopes that are fitted
 
 
 def test_rhythm_of_the_data_is_found(monkeypatch):
@@ -35,11 +36,43 @@ def test_tail_of_the_data_is_found(tail):
         rhythm = _core.Rhythm(settings, scaled.shoulder_distance_m)
         arm = _core.make_arm_model(scaled, rhythm, _core.JointLimits(), False)
         way = fits.arc_progress(arm, m.q_rad)
-        wanted = _core.homing_progress(np.linspace(0.0, duration_s, len(way)), duration_s, tail)
+        wanted = cut_progress(duration_s, tail)
         rows = np.interp(wanted, way, np.arange(len(way)))
         q = np.column_stack([np.interp(rows, np.arange(len(way)), column) for column in m.q_rad.T])
         movements.append(type(m)(**(vars(m) | {"q_rad": q})))
     assert fits.fit_tail(movements) == pytest.approx(tail, abs=0.05 + 1e-9)
+
+
+def test_slopes_that_are_not_fitted_stay_zero():
+    full = SLOPE + np.array([[0.01, -0.02, 0.0], [0.0, 0.0, 0.005], [0.0, 0.01, 0.0]])
+    found = fits.fit_rhythm(crowd(3, 8, slope_m=full))
+    assert np.array_equal(found != 0.0, fits.RHYTHM_SLOPES)
+
+
+@pytest.mark.parametrize("clock", [minimum_jerk, homing(0.7)], ids=["minimum jerk", "homing"])
+@pytest.mark.parametrize("duration_s", [0.6, 1.7])
+def test_shown_part_begins_and_ends_at_its_share_of_the_peak_speed(clock, duration_s):
+    """By speeds of the cut movement itself, at its ends and everywhere between."""
+    count = 2001
+    shares = shown_shares(clock, lambda way: way, duration_s, count)
+    speed = np.diff(shares)
+    assert speed[0] == pytest.approx(CUT * speed.max(), rel=0.1)  # of the steps of 1/200 that the cut was found with
+    assert speed[-1] == pytest.approx(CUT * speed.max(), rel=0.1)
+    assert (speed >= 0.9 * CUT * speed.max()).all()
+    assert (shares[0], shares[-1]) == (0.0, 1.0)
+
+
+def test_shown_part_of_an_even_movement_is_all_of_it():
+    begin, end = shown_part(np.linspace(0.0, 1.0, 201))
+    assert begin == pytest.approx(0.0, abs=1 / 200)
+    assert end == pytest.approx(1.0, abs=1 / 200)
+
+
+def test_halves_judge_every_person_equally_often():
+    chosen = fits.halves(crowd(4, 3))
+    assert len(chosen) == len(set(chosen)) == 6
+    assert all(sum(person in half for half in chosen) == 3 for person in ("P0", "P1", "P2", "P3"))
+    assert len(fits.halves(crowd(10, 1))) == 70
 
 
 def test_no_person_enters_the_fit_that_judges_them():

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from glenoid.validate.coefficients import FITTED_SUBJECTS, built_in, fit, subjects_of
+from glenoid.validate.models import MODELS as MODEL_NAMES
 from glenoid.validate.movements import load_npz, subset_of
 from made_movements import crowd, write_npz
 
@@ -101,6 +102,44 @@ def test_command_prints_json_and_writes_the_report(run, tmp_path):
         "report.md", "scores.csv", "distributions.png", "reaches.png", "rhythm.png"
     }  # fmt: skip
     assert len((tmp_path / "r" / "scores.csv").read_text().splitlines()) == 1 + 2 * 12
+
+
+def test_data_of_other_persons_need_no_choice(run, tmp_path, capsys):
+    """Another archive of the layout: other names, one person, a task less, a movement with a gap: built-in coefficients, no fit."""
+    good = crowd(1, 3)
+    gap = good[0].wrist_m.copy()
+    gap[40:50] = np.nan
+    write_npz(tmp_path / "made.npz", [*good, type(good[0])(**(vars(good[0]) | {"wrist_m": gap, "subject": "Q9"}))])
+    done = run("validate", "--data", tmp_path / "made.npz", "--models", "all", "--json")
+    assert done.code == 0
+    assert done.json["coefficients"] == "built-in"
+    assert done.json["movements"] == len(good)
+    assert "left out: movement Q9" in done.err
+    assert set(done.json["models"]) == set(MODEL_NAMES)
+    for model in done.json["models"].values():
+        assert model["all"]["failed"] == 0
+
+
+def test_archive_without_a_usable_movement_is_refused(run, tmp_path):
+    gap = crowd(1, 1)[0]
+    write_npz(tmp_path / "made.npz", [type(gap)(**(vars(gap) | {"wrist_m": gap.wrist_m * np.nan}))])
+    done = run("validate", "--data", tmp_path / "made.npz")
+    assert done.code == 2
+    assert "no movement is usable" in done.err
+    for name, content in (("empty.npz", b""), ("broken.npz", b"PK\x03\x04 no archive")):
+        (tmp_path / name).write_bytes(content)
+        done = run("validate", "--data", tmp_path / name)
+        assert done.code == 2
+        assert name in done.err
+
+
+def test_halves_judge_each_movement_with_the_others_coefficients(run, tmp_path):
+    write_npz(tmp_path / "made.npz", crowd(4, 6))
+    done = run("validate", "--data", tmp_path / "made.npz", "--models", "prior", "--coefficients", "halves", "--json")
+    rows = done.json["models"]["prior"]["all"]
+    assert rows["movements"] == 24 * 3, "six halves, and every person is in the other half of three"
+    refused = run("validate", "--data", tmp_path / "made.npz", "--coefficients", "halves", "--report", tmp_path / "r")
+    assert refused.code == 2
 
 
 def test_fit_command_writes_a_file_that_validate_takes(run, tmp_path):

@@ -5,12 +5,15 @@
 
 namespace glenoid {
 
+/// Length that the wrist's displacement is counted in, m: an arm. The same for every person: tables do not grow with arms.
+inline constexpr double kPriorSpan = 0.54;
+
 /// Coefficients of the posture prior (docs/equations.md, P1), fitted by `glenoid validate --fit`: replace them to use
 /// recordings of your own.
 struct PosturePriorCoefficients {
-  double height_rad = 0.278;    ///< change of swivel per arm length that the wrist rises
-  double lateral_rad = -0.139;  ///< and per arm length that it moves sideways, away from the trunk
-  double regression = 0.258;    ///< share of the person's deviation from the common swivel that a far movement loses
+  double height_rad = 0.267;    ///< change of swivel per kPriorSpan that the wrist rises
+  double lateral_rad = -0.150;  ///< and per kPriorSpan that it moves sideways, away from the trunk
+  double regression = 0.259;    ///< share of the person's deviation from the common swivel that a far movement loses
   double common_rad = 0.501;    ///< swivel that people tend to
   double effort = 0.02;  ///< weight of the rotation away from the anchor, squared, against the squared error of the swivel
 };
@@ -41,7 +44,6 @@ class PosturePrior {
   PosturePriorCoefficients coefficients_{};
   Mat3 rotation_ = Mat3::Identity();  ///< of the anchor's upper arm
   Vec3 wrist_ = Vec3::Zero();         ///< of the anchor, m in T
-  double length_m_ = 1.0;             ///< upper arm and forearm
   double own_rad_ = 0.0;  ///< swivel of the anchor, or the common one as far as the anchor's is ill-conditioned
 };
 

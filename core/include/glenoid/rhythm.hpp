@@ -15,9 +15,9 @@ enum class RhythmModel : int { Fixed = 1, SoltaniZarrin2017 = 2, Measured = 3 };
 /// Coefficients of RhythmModel::Measured (R5), fitted by `glenoid validate --fit`: replace them to use recordings of your own.
 struct MeasuredRhythm {
   /// Displacement of the centre per unit of upper-arm direction u = -z_TU, m, rows x, y, z of T.
-  std::array<double, 9> slope_m = {-0.0055, -0.0012, -0.0121,  //
-                                   -0.0373, 0.0229,  -0.0061,  //
-                                   0.0068,  0.0030,  0.0209};
+  std::array<double, 9> slope_m = {0.0,     0.0,    -0.0140,  //
+                                   -0.0412, 0.0190, 0.0,      //
+                                   0.0,     0.0,    0.0248};
   double shoulder_distance_m = 0.161;  ///< d_0 of the persons that the slope was fitted to
 };
 

@@ -16,7 +16,7 @@ struct ScalarJet {
 /// s(u) = 10u^3 - 15u^4 + 6u^5 for u = (t - start)/duration clamped to [0, 1]; derivatives with respect to t. T1.
 ScalarJet minimum_jerk(double t, double start, double duration) noexcept;
 
-inline constexpr double kHomingTail = 0.5;  // per unit of ln(duration / 1 s); fitted to measured reaches, T5
+inline constexpr double kHomingTail = 0.8;  // per unit of ln(duration / 1 s); fitted to measured reaches, T5
 
 /// Minimum jerk that peaks early: s(u + b u (1 - u)) with b = tail ln(duration / 1 s) in 0..0.6; derivatives with respect to t.
 /// At rest with zero acceleration at both ends, monotone. T5.

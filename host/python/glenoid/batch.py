@@ -17,9 +17,10 @@ from glenoid.exo import core_exo, follow
 from glenoid.inputs import InputError, ReachInput, Vector3, Vector4, explain
 from glenoid.reach import Array
 from glenoid.settings import core_limits, core_prior, core_rhythm, core_subject, mirrored_if_left, with_axial_factor
+from glenoid.within_reach import plan_within_reach
 
 SAMPLES = 101
-ANSWER_KEYS = ("q", "shoulder", "elbow", "wrist", "swivel", "energy", "iterations", "solve_us")
+ANSWER_KEYS = ("q", "shoulder", "elbow", "wrist", "swivel", "energy", "iterations", "solve_us", "pulled_m")
 #: only with a device: joints, rad (rows of exo.q), residual, m, distances to the edge of reach and to singular, rad
 EXO_KEYS = ("exo_q", "exo_residual", "exo_margin", "exo_singularity", "exo_worst")
 
@@ -54,7 +55,7 @@ class Task(BaseModel):
 def read_tasks(path: Path) -> list[Any]:
     """The list of tasks, unchecked. InputError if the file does not hold a list."""
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = json.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from error
     except ValueError as error:
@@ -93,18 +94,30 @@ class BatchPlanner:
             rhythm.anchor(start.R_TU[:, 2], self.own_side(anchor))
         return _core.make_arm_model(scaled, rhythm, core_limits(subject), moving)
 
-    def plan(self, task: Task, arm: _core.ArmModel) -> tuple[_core.Status, _core.ReachPlan]:
-        """To the given end posture, or with the common choice of the swivel angle."""
+    def plan(self, task: Task, arm: _core.ArmModel) -> tuple[_core.Status, _core.ReachPlan, float]:
+        """To the given end posture, or with the common choice of the swivel angle; last, by how much the target was pulled in, m.
+
+        Only targets of measured reaches are: those with the shoulder's centre at the start.
+        """
         start = _core.posture_from_angles(np.array(task.q0))
-        swivel = self.common.swivel
         if task.q1 is not None:
-            return self.planner.plan_between(arm, start, _core.posture_from_angles(np.array(task.q1)))
+            return *self.planner.plan_between(arm, start, _core.posture_from_angles(np.array(task.q1))), 0.0
+        target, shoulder = self.own_side(task.target), task.subject.shoulder_start_m
+        if shoulder is None or task.gh_path_m is not None:
+            return *self.plan_to(arm, start, target), 0.0
+        return plan_within_reach(lambda point: self.plan_to(arm, start, point), target, self.own_side(shoulder))
+
+    def plan_to(
+        self, arm: _core.ArmModel, start: _core.Posture, target_m: Array
+    ) -> tuple[_core.Status, _core.ReachPlan]:
+        """With the common choice of the swivel angle; the target in the frame of a right arm."""
+        swivel = self.common.swivel
         if swivel.mode == "MinimumEnergy":
-            return self.planner.plan_minimum_energy(arm, start, self.own_side(task.target))
+            return self.planner.plan_minimum_energy(arm, start, target_m)
         if swivel.mode == "Prescribed":
-            return self.planner.plan_prescribed(arm, start, self.own_side(task.target), swivel.prescribed_rad)
+            return self.planner.plan_prescribed(arm, start, target_m, swivel.prescribed_rad)
         prior = _core.PosturePrior(core_prior(self.common), arm, start)
-        return self.planner.plan_human_prior(arm, start, self.own_side(task.target), prior)
+        return self.planner.plan_human_prior(arm, start, target_m, prior)
 
     def points(self, task: Task, arm: _core.ArmModel, path: _core.GeodesicPath, lambdas: Array) -> list[Array]:
         """Shoulder, elbow and wrist along the path in T, about the measured shoulder path where one is given."""
@@ -120,7 +133,7 @@ class BatchPlanner:
         """Status and motion of a checked task; null where there is none."""
         arm = self.arm(task)
         begin_ns = time.perf_counter_ns()
-        status, plan = self.plan(task, arm)
+        status, plan, pulled_m = self.plan(task, arm)
         solve_us = (time.perf_counter_ns() - begin_ns) / 1e3
         if status != _core.Status.Ok:
             return self.refusal(task.id, status.name)
@@ -129,7 +142,7 @@ class BatchPlanner:
         shoulder, elbow, wrist = (rows.tolist() for rows in self.points(task, arm, plan.path, lambdas))
         swivel = _core.swivel_angle(_core.forward_kinematics(arm, plan.path.posture(1.0)))
         values = (q.tolist(), shoulder, elbow, wrist, swivel, plan.path.energy_kg_m2, plan.certificate.iterations)
-        out = {"id": task.id, "status": "ok"} | dict(zip(ANSWER_KEYS, (*values, solve_us), strict=True))
+        out = {"id": task.id, "status": "ok"} | dict(zip(ANSWER_KEYS, (*values, solve_us, pulled_m), strict=True))
         return out | self.exo_answer(task, arm, plan.path, lambdas)
 
     def exo_answer(self, task: Task, arm: _core.ArmModel, path: _core.GeodesicPath, lambdas: Array) -> dict[str, Any]:

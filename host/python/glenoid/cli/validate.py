@@ -22,7 +22,7 @@ from glenoid.validate.coefficients import (
     subjects_of,
     to_yaml,
 )
-from glenoid.validate.evaluate import evaluate, summaries
+from glenoid.validate.evaluate import evaluate, evaluate_halves, summaries
 from glenoid.validate.models import MODELS
 from glenoid.validate.movements import SUBSETS, Movement, is_clean_outward, load_npz, subset_of
 from glenoid.validate.readers import load_manifest
@@ -40,8 +40,9 @@ def validate(
     coefficients: Annotated[
         str,
         typer.Option(
-            help="built-in, cross-validated (leave one person out), a FILE of --fit, or auto: cross-validated for the "
-            "persons that the built-in ones were fitted to, else built-in."
+            help="built-in, cross-validated (leave one person out), halves (fitted to half of the persons, judged on the "
+            "others, up to 70 times), a FILE of --fit, or auto: built-in for new persons, cross-validated for those that the "
+            "built-in ones were fitted to."
         ),
     ] = "auto",
     fit_to: Annotated[
@@ -60,8 +61,13 @@ def validate(
         write_fit(movements, fit_to)
         return
     names = chosen_models(models)
+    if coefficients == "halves" and report is not None:
+        raise InputError("--coefficients halves: judges every movement many times: no --report")
     source, fitted = chosen_coefficients(coefficients, movements, everything)
-    results = evaluate(names, movements, fitted)
+    if coefficients == "halves":
+        results = evaluate_halves(names, movements, outward(everything, movements))
+    else:
+        results = evaluate(names, movements, fitted)
     result: dict[str, Any] = {
         "data": str(data),
         "subset": subset,
@@ -106,12 +112,19 @@ def chosen_coefficients(
 ) -> tuple[str, dict[str, Coefficients]]:
     """Where the coefficients come from, and those to use for each person; folds are fitted to clean outward reaches."""
     people = subjects_of(movements)
+    if text == "halves":
+        return "fitted to half of the persons, the others judged", {}
     if text == "auto":
         text = "cross-validated" if set(people) & set(FITTED_SUBJECTS) else "built-in"
     if text == "cross-validated":
-        return "leave one person out", leave_one_out([m for m in everything if is_clean_outward(m)] or movements)
+        return "leave one person out", leave_one_out(outward(everything, movements))
     one = built_in() if text == "built-in" else from_yaml(Path(text))
     return text, dict.fromkeys(people, one)
+
+
+def outward(everything: list[Movement], movements: list[Movement]) -> list[Movement]:
+    """What folds are fitted to: the clean outward reaches, or the chosen movements where there are none."""
+    return [m for m in everything if is_clean_outward(m)] or movements
 
 
 def write_fit(movements: list[Movement], path: Path) -> None:

@@ -1,10 +1,11 @@
-"""The fitted numbers of the measured models: rhythm (9), posture prior (4), homing tail (1); how they are fitted and folded.
+"""The fitted numbers of the measured models: rhythm (4), posture prior (4), homing tail (1); how they are fitted and folded.
 
 The core's own coefficients come from `fit` over the clean outward reaches of FITTED_SUBJECTS, see docs/human-likeness.md.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,7 @@ import yaml
 from glenoid import _core
 from glenoid.inputs import InputError, build_reach, read_mapping
 from glenoid.reach import Array
+from glenoid.validate.clock import cut_progress
 from glenoid.validate.geometry import swivel_of_points
 from glenoid.validate.movements import Movement
 
@@ -22,9 +24,12 @@ from glenoid.validate.movements import Movement
 FITTED_SUBJECTS = ("S01", "S03", "S05", "S07", "S09", "S11", "S13", "S15")
 #: ridge on the rhythm's standardised slopes: a little keeps the correlated directions of everyday reaching apart
 RHYTHM_RIDGE = 0.03
-PRIOR_RIDGE = 1e-3
-#: arm lengths at which half of the regression has happened; as in the core
-FAR = 0.2
+#: slopes (row: displacement, column: direction, x y z) that are fitted: forward and sideways of the arm move the shoulder forward and
+#: back, lifting it moves the shoulder inwards and up; the other five are 0, since they carry over to other persons as noise
+RHYTHM_SLOPES = np.array([[0, 0, 1], [1, 1, 0], [0, 0, 1]], dtype=bool)
+PRIOR_RIDGE = 0.03
+#: the length that displacements of the wrist are counted in, m, and how many of them make half of the regression; as in the core
+SPAN_M, FAR = 0.54, 0.2
 EVERY = 5
 PRIOR_NAMES = ("height_rad", "lateral_rad", "regression", "common_rad", "effort")
 
@@ -45,7 +50,7 @@ class Coefficients:
     @property
     def count(self) -> int:
         """How many numbers were fitted: the persons' distance is measured, not fitted."""
-        return self.slope_m.size + 5
+        return int(RHYTHM_SLOPES.sum()) + 5
 
     def measured(self) -> _core.MeasuredRhythm:
         """The rhythm as the core takes it."""
@@ -99,15 +104,18 @@ def fit_rhythm(movements: Sequence[Movement]) -> Array:
         u = upper_arm_direction(m)
         features.append((u - u[0])[::EVERY])
         values.append((m.shoulder_m - m.shoulder_m[0])[::EVERY])
-    return ridge(np.concatenate(features), np.concatenate(values), RHYTHM_RIDGE).T
+    u, shift = np.concatenate(features), np.concatenate(values)
+    slope = np.zeros((3, 3))
+    for row, used in enumerate(RHYTHM_SLOPES):
+        slope[row, used] = ridge(u[:, used], shift[:, row], RHYTHM_RIDGE)
+    return slope
 
 
 def fit_prior(movements: Sequence[Movement]) -> tuple[float, float, float, float]:
     """height, lateral, regression and common swivel (P1). The common one is the mean at the start of the movements."""
     own = np.array([swivel_of_points(m.shoulder_m[0], m.elbow_m[0], m.wrist_m[0]) for m in movements])
     end = np.array([swivel_of_points(m.shoulder_m[-1], m.elbow_m[-1], m.wrist_m[-1]) for m in movements])
-    length = np.array([m.upper_arm_length_m + m.forearm_length_m for m in movements])
-    d = np.array([m.wrist_m[-1] - m.wrist_m[0] for m in movements]) / length[:, None]
+    d = np.array([m.wrist_m[-1] - m.wrist_m[0] for m in movements]) / SPAN_M
     square = (d**2).sum(axis=1)
     common = float(own.mean())
     features = np.column_stack([d[:, 2], d[:, 0], square / (square + FAR**2) * (common - own)])
@@ -138,10 +146,9 @@ def fit_tail(movements: Sequence[Movement]) -> float:
     rhythm = _core.Rhythm(settings, scaled.shoulder_distance_m)
     arm = _core.make_arm_model(scaled, rhythm, _core.JointLimits(), False)
     measured = [arc_progress(arm, m.q_rad) for m in movements]
-    times = [np.linspace(0.0, m.duration_s, len(m.q_rad)) for m in movements]
 
     def error(tail: float) -> float:
-        predicted = [_core.homing_progress(t, float(t[-1]), tail) for t in times]
+        predicted = [cut_progress(m.duration_s, tail) for m in movements]
         return float(np.median([np.abs(a - b).mean() for a, b in zip(predicted, measured, strict=True)]))
 
     grid = np.linspace(0.0, 1.0, 21)
@@ -167,6 +174,16 @@ def fit(movements: Sequence[Movement]) -> Coefficients:
 def subjects_of(movements: Iterable[Movement]) -> list[str]:
     """Their persons, sorted."""
     return sorted({movement.subject for movement in movements})
+
+
+def halves(movements: Sequence[Movement], most: int = 70) -> list[tuple[str, ...]]:
+    """Every choice of half of the persons, or `most` of them at random: fitted to these, the others are judged."""
+    people = subjects_of(movements)
+    choices = list(itertools.combinations(people, len(people) // 2))
+    if len(choices) <= most:
+        return choices
+    picked = np.random.default_rng(1712).choice(len(choices), most, replace=False)
+    return [choices[i] for i in sorted(picked)]
 
 
 def leave_one_out(movements: Sequence[Movement]) -> dict[str, Coefficients]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from glenoid import _core
 from glenoid.reach import Array
-from glenoid.validate.coefficients import Coefficients, arc_progress, subjects_of
+from glenoid.validate.coefficients import Coefficients, arc_progress, fit, halves, subjects_of
 from glenoid.validate.models import MODELS, Model, Prediction, Predictor
 from glenoid.validate.movements import SAMPLES, Movement
 from glenoid.validate.score import Trajectory, course_scores, end_scores
@@ -65,7 +65,7 @@ def score_prediction(
     """All scores of a prediction; keys of the path-only ones begin with path_."""
     measured = measured_course(movement)
     by_path = over_arc_length(metric, measured)
-    predicted = prediction.course.at(prediction.progress(GRID))
+    predicted = prediction.course.at(prediction.shares(movement.duration_s))
     path = prediction.course.at(GRID)
     if model.line:
         path = over_arc_length(metric, path)
@@ -91,6 +91,19 @@ def evaluate(
                 continue
             scores = score_prediction(MODELS[name], movement, prediction, metric)
             out[name].append(Scored(movement, scores, prediction.pulled_m))
+    return out
+
+
+def evaluate_halves(
+    names: Sequence[str], movements: Sequence[Movement], fit_to: Sequence[Movement]
+) -> dict[str, list[Scored]]:
+    """Scores when only half of the persons are fitted to, every movement of the others judged; over all choices of halves."""
+    out: dict[str, list[Scored]] = {name: [] for name in names}
+    for half in halves(fit_to):
+        one = fit([m for m in fit_to if m.subject in half])
+        others = [m for m in movements if m.subject not in half]
+        for name, rows in evaluate(names, others, dict.fromkeys(subjects_of(others), one)).items():
+            out[name] += rows
     return out
 
 

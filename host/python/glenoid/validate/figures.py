@@ -58,7 +58,9 @@ def draw_overlays(names: Sequence[str], rows: Sequence[Scored], fitted: Mapping[
         curves = {"measured": movement.q_rad}
         for name in names:
             prediction = predictor.predict(MODELS[name], movement, fitted[movement.subject])
-            curves[name] = turned_near(prediction.course.at(prediction.progress(GRID)).q_rad, movement.q_rad)
+            curves[name] = turned_near(
+                prediction.course.at(prediction.shares(movement.duration_s)).q_rad, movement.q_rad
+            )
         for k, axis in enumerate(line):
             for name, q in curves.items():
                 style: dict[str, Any] = {"color": "black", "lw": 2.0} if name == "measured" else {"lw": 1.2}

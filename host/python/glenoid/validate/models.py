@@ -5,7 +5,6 @@ An oracle is told more, as its name says; it bounds what a model without that er
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -13,18 +12,20 @@ import numpy as np
 
 from glenoid import _core
 from glenoid.reach import Array
+from glenoid.validate.clock import Clock, homing, minimum_jerk, shown_shares
 from glenoid.validate.coefficients import Coefficients, hand_progress
 from glenoid.validate.geometry import angles_of_points, elbow_on_circle, swivel_of_points
 from glenoid.validate.movements import Movement
 from glenoid.validate.score import Trajectory
+from glenoid.within_reach import plan_within_reach
 
-#: people do not end a reach with the arm straight: targets nearer than this to the edge of a model's reach, m, are pulled in
-REACH_MARGIN_M = 0.010
-#: a target out of reach is brought nearer to the start shoulder in steps, m; how often and how far is reported
-PULL_STEP_M, MOST_PULL_M = 0.005, 0.25
+#: a target out of reach is brought nearer to the start shoulder by so much at most, m; how often and how far is reported
+MOST_PULL_M = 0.25
 #: a constant swivel angle, rad, the median of the measured ends
 CONSTANT_SWIVEL_RAD = np.deg2rad(36.0)
 ALMOST_STRAIGHT = 0.999
+#: the axial factor (M5, M6) whose paths are nearest to people's
+HUMAN_AXIAL_FACTOR = 3.0
 
 
 class Course(Protocol):
@@ -36,12 +37,20 @@ class Course(Protocol):
 
 @dataclass(frozen=True)
 class Prediction:
-    """A predicted movement: path, its time course (lambda of u in [0, 1]), and by how much the target had to be moved, m."""
+    """A predicted movement: path, its clock (None: progress is told), and by how much the target had to be moved, m."""
 
     course: Course
-    progress: Callable[[Array], Array]
+    clock: Clock | None
     pulled_m: float = 0.0
     certificate: _core.Certificate | None = None
+    told: Array | None = None
+
+    def shares(self, duration_s: float) -> Array:
+        """Shares of the path, SAMPLES of them, over the part of the movement that a recording of this duration shows."""
+        if self.clock is None:
+            assert self.told is not None
+            return self.told
+        return shown_shares(self.clock, lambda way: self.course.at(way).wrist_m, duration_s)
 
 
 @dataclass(frozen=True)
@@ -100,11 +109,6 @@ class HandLine:
         return Trajectory(shoulder, elbow, wrist, angles_of_points(shoulder, elbow, wrist))
 
 
-def minimum_jerk(u: Array) -> Array:
-    """Minimum jerk; T1."""
-    return _core.homing_progress(u, 1.0, 0.0)
-
-
 @dataclass(frozen=True)
 class Model:
     """What is compared. `oracle`: told the measured "end" posture, "shoulder" path and "time" course as listed."""
@@ -126,11 +130,13 @@ MODELS = {
     "paper": Model("the paper's method: eq. (1), geodesic of least energy", "SoltaniZarrin2017", "MinimumEnergy"),
     "rhythm": Model("measured rhythm, least energy", swivel="MinimumEnergy"),
     "prior": Model("measured rhythm and posture prior"),
-    "axial": Model("the same with axial factor 4", axial_factor=4.0),
-    "glenoid": Model("the same with the homing time course", axial_factor=4.0, homing=True),
-    "oracle-end": Model("glenoid, told the end posture", axial_factor=4.0, homing=True, oracle=("end",)),
-    "oracle-end-shoulder": Model("and the shoulder's path", axial_factor=4.0, homing=True, oracle=("end", "shoulder")),
-    "oracle-all": Model("and the hand's progress", axial_factor=4.0, oracle=("end", "shoulder", "time")),
+    "axial": Model("the same, turning dearer: axial factor 3", axial_factor=HUMAN_AXIAL_FACTOR),
+    "glenoid": Model("the same with the homing time course", axial_factor=HUMAN_AXIAL_FACTOR, homing=True),
+    "oracle-end": Model("glenoid, told the end posture", axial_factor=HUMAN_AXIAL_FACTOR, homing=True, oracle=("end",)),
+    "oracle-end-shoulder": Model(
+        "and the shoulder's path", axial_factor=HUMAN_AXIAL_FACTOR, homing=True, oracle=("end", "shoulder")
+    ),
+    "oracle-all": Model("and the hand's progress", axial_factor=HUMAN_AXIAL_FACTOR, oracle=("end", "shoulder", "time")),
     "oracle-geodesic": Model("fixed-shoulder metric, told end and shoulder", moving=False, oracle=("end", "shoulder")),
     "oracle-geodesic-fixed": Model("fixed shoulder, told the end", "Fixed", moving=False, oracle=("end",)),
     "oracle-joint-line": Model("straight joint line, told end and shoulder", line="joint", oracle=("end", "shoulder")),
@@ -172,7 +178,9 @@ class Predictor:
         arm = self.arm(model, movement, fitted)
         plan, pulled = self.plan(model, movement, arm, fitted)
         course = GeodesicCourse(plan.path, arm, movement.q_rad[0])
-        return Prediction(course, time_course(model, movement, fitted), pulled, plan.certificate)
+        told = hand_progress(movement) if "time" in model.oracle else None
+        clock = None if told is not None else homing(fitted.tail) if model.homing else minimum_jerk
+        return Prediction(course, clock, pulled, plan.certificate, told)
 
     def plan(
         self, model: Model, movement: Movement, arm: _core.ArmModel, fitted: Coefficients
@@ -185,30 +193,16 @@ class Predictor:
                 raise RuntimeError(f"{movement.name}: {status.name}")
             return plan, 0.0
         prior = _core.PosturePrior(fitted.prior(), arm, start)
-        inward = movement.shoulder_m[0] - movement.wrist_m[-1]
-        inward = inward / np.linalg.norm(inward)
-        pulled = 0.0
-        while True:
-            target = movement.wrist_m[-1] + pulled * inward
+
+        def plan_to(target_m: Array) -> tuple[_core.Status, _core.ReachPlan]:
             if model.swivel == "HumanPrior":
-                status, plan = self.planner.plan_human_prior(arm, start, target, prior)
-            else:
-                status, plan = self.planner.plan_minimum_energy(arm, start, target)
-            if status == _core.Status.Ok and plan.reach_margin_m >= REACH_MARGIN_M:
-                return plan, pulled
-            pulled += PULL_STEP_M
-            if pulled > MOST_PULL_M:
-                raise RuntimeError(f"{movement.name}: {status.name}")
+                return self.planner.plan_human_prior(arm, start, target_m, prior)
+            return self.planner.plan_minimum_energy(arm, start, target_m)
 
-
-def time_course(model: Model, movement: Movement, fitted: Coefficients) -> Callable[[Array], Array]:
-    """Path parameter over normalised time."""
-    if "time" in model.oracle:
-        way = hand_progress(movement)
-        return lambda u: np.interp(u, np.linspace(0.0, 1.0, len(way)), way)
-    if model.homing:
-        return lambda u: _core.homing_progress(u * movement.duration_s, movement.duration_s, fitted.tail)
-    return minimum_jerk
+        status, plan, pulled = plan_within_reach(plan_to, movement.wrist_m[-1], movement.shoulder_m[0], MOST_PULL_M)
+        if status != _core.Status.Ok:
+            raise RuntimeError(f"{movement.name}: {status.name}")
+        return plan, pulled
 
 
 def straight_line(model: Model, movement: Movement) -> Prediction:

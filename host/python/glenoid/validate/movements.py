@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -91,30 +93,46 @@ def load_npz(path: Path) -> list[Movement]:
             meta = {key[5:]: archive[key] for key in archive.files if key.startswith("meta_")}
     except OSError as error:
         raise InputError(f"{path}: {error.strerror or error}") from error
-    except (KeyError, ValueError) as error:
+    except (KeyError, ValueError, EOFError, BadZipFile) as error:
         raise InputError(f"{path}: not an archive of reaches: {error}") from error
     missing = {"subject", "arm", "task", "duration_s"} - meta.keys() | set(POINT_COLUMNS) - set(columns)
     if missing:
         raise InputError(f"{path}: lacks {', '.join(sorted(missing))}")
     at = [columns.index(name) for name in POINT_COLUMNS]
-    out = []
+    out, left_out = [], []
     for i, (begin, end) in enumerate(zip(offsets, offsets[1:], strict=False)):
         points = data[begin:end][:, at].astype(float).reshape(-1, 3, 3) - STERNUM_TO_JOINT_M
         values = {key: column[i] for key, column in meta.items()}
-        made = make_movement(
-            points[:, 0],
-            points[:, 1],
-            points[:, 2],
-            name=f"{values['subject']}{values['arm']}-{values.get('reach_id', i)}",
-            subject=str(values["subject"]),
-            arm=str(values["arm"]),
-            task=str(values["task"]),
-            phase=str(values.get("phase", "")),
-            clean=bool(values.get("clean", 1)),
-            duration_s=float(values["duration_s"]),
-        )
-        out.append(with_lengths(made, values))
+        try:
+            out.append(movement_of(points, values, i))
+        except InputError as error:
+            left_out.append(str(error))
+    if not out:
+        raise InputError(f"{path}: no movement is usable: {left_out[0] if left_out else 'there is none'}")
+    for reason in left_out:
+        print(f"{path}: left out: {reason}", file=sys.stderr)
     return out
+
+
+def movement_of(points: Array, values: dict[str, np.generic], index: int) -> Movement:
+    """A movement of an archive from its joint centres (n, 3, 3) and its row of the meta data. InputError names it."""
+    duration_s = float(values["duration_s"])
+    name = f"{values['subject']}{values['arm']}-{values.get('reach_id', index)}"
+    if len(points) < 2 or not (np.isfinite(duration_s) and duration_s > 0.0):
+        raise InputError(f"movement {name}: {len(points)} samples, duration {duration_s} s: needs 2 and a positive one")
+    made = make_movement(
+        points[:, 0],
+        points[:, 1],
+        points[:, 2],
+        name=name,
+        subject=str(values["subject"]),
+        arm=str(values["arm"]),
+        task=str(values["task"]),
+        phase=str(values.get("phase", "")),
+        clean=bool(values.get("clean", 1)),
+        duration_s=duration_s,
+    )
+    return with_lengths(made, values)
 
 
 def with_lengths(movement: Movement, values: dict[str, np.generic]) -> Movement:
@@ -122,7 +140,7 @@ def with_lengths(movement: Movement, values: dict[str, np.generic]) -> Movement:
     lengths = {
         name: float(values[key])
         for name, key in (("upper_arm_length_m", "lu_m"), ("forearm_length_m", "lf_m"))
-        if key in values
+        if key in values and np.isfinite(values[key]) and values[key] > 0.0
     }
     return Movement(**(vars(movement) | lengths))
 
