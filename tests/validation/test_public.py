@@ -49,12 +49,12 @@ def test_squared_pearson_does_not_discriminate_and_strict_r2_does(result):
 
 #: reached by leave-one-person-out, with room of 0.005 (r2), 0.2 mm and 0.2 deg for another compiler's last bits
 REACHED = {
-    ("joint_pooled", "mean"): 0.86,
-    ("joint_pooled", "median"): 0.89,
-    ("elbow_r2", "mean"): 0.89,
-    ("elbow_r2", "median"): 0.91,
-    ("wrist_r2", "mean"): 0.928,
-    ("wrist_r2", "median"): 0.945,
+    ("joint_pooled", "mean"): 0.878,
+    ("joint_pooled", "median"): 0.908,
+    ("elbow_r2", "mean"): 0.906,
+    ("elbow_r2", "median"): 0.927,
+    ("wrist_r2", "mean"): 0.924,
+    ("wrist_r2", "median"): 0.941,
 }
 
 
@@ -65,8 +65,8 @@ def test_glenoid_reaches_on_people_it_was_not_fitted_to(result, key):
 
 
 def test_errors_of_shoulder_and_swivel(result):
-    assert result["glenoid"]["gh_mm"]["mean"] <= 9.3
-    assert result["glenoid"]["swivel_deg"]["rms"] <= 7.8
+    assert result["glenoid"]["gh_mm"]["mean"] <= 9.0
+    assert result["glenoid"]["swivel_deg"]["rms"] <= 7.5
     assert result["glenoid"]["failed"] == 0
 
 

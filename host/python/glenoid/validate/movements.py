@@ -137,11 +137,11 @@ def movement_of(points: Array, values: dict[str, np.generic], index: int) -> Mov
 
 def with_lengths(movement: Movement, values: dict[str, np.generic]) -> Movement:
     """The segment lengths of the person where the archive has them: medians over the person, not over one movement."""
-    lengths = {
-        name: float(values[key])
+    known = {
+        name: float(values.get(key, np.float64(np.nan)))
         for name, key in (("upper_arm_length_m", "lu_m"), ("forearm_length_m", "lf_m"))
-        if key in values and np.isfinite(values[key]) and values[key] > 0.0
     }
+    lengths = {name: value for name, value in known.items() if np.isfinite(value) and value > 0.0}
     return Movement(**(vars(movement) | lengths))
 
 
