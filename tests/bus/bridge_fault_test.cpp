@@ -148,6 +148,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadSetpoint{"mask", Rejection::Mask, [](Setpoint& s) { s.valid_mask = 0x1F; }},
         BadSetpoint{"wrong token", Rejection::Session, [](Setpoint& s) { s.session ^= 2; }},
         BadSetpoint{"token zero", Rejection::Session, [](Setpoint& s) { s.session = 0; }},
+        BadSetpoint{"old sequence", Rejection::Sequence, [](Setpoint& s) { s.sequence = 1; }},
         BadSetpoint{"old", Rejection::Age, [](Setpoint& s) { s.time_ns -= 60 * kMs; }},
         BadSetpoint{"future", Rejection::Future, [](Setpoint& s) { s.time_ns += 1000 * kMs; }},
         BadSetpoint{"stamp at the end of time", Rejection::Future,

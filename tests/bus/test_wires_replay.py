@@ -16,6 +16,7 @@ from glenoid.recording import make_recording, read_recording
 from glenoid.streaming import Blend, Replayed, blend_within
 
 sys.path.insert(0, str(Path(__file__).parent))
+import fuzz_recordings
 from wires_bridge import Bridge
 
 JOINTS = 6
@@ -269,3 +270,19 @@ def test_setpoints_that_cannot_be_are_not_sent(position, velocity):
 
 def test_channels_are_those_of_the_contract():
     assert (SETPOINT, FEEDBACK, COMMAND) == ("GLENOID_SETPOINT", "GLENOID_FEEDBACK", "GLENOID_COMMAND")
+
+
+@pytest.mark.parametrize("kind", ["csv", "json", "log"])
+def test_damaged_files_are_read_or_refused_in_words(kind):
+    data = (Path(__file__).parent / "corpus/recordings" / kind).read_bytes()
+    fuzz_recordings.run(data)
+    for size in range(0, len(data), 1 if kind != "log" else 17):
+        fuzz_recordings.run(data[:size])
+    for k in range(1, len(data), 1 if kind != "log" else 7):
+        for byte in (0x00, 0x7F, 0xFF, data[k] ^ 1):
+            fuzz_recordings.run(data[:k] + bytes([byte]) + data[k + 1 :])
+
+
+def test_files_beyond_the_parsers_limits_are_refused_in_words():
+    fuzz_recordings.run(b"ctime_s,q1_rad\n" + b"1" * 200_000 + b",1\n")
+    fuzz_recordings.run(b"j" + b"[" * 100_000)

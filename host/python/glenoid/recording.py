@@ -91,6 +91,8 @@ def read_recording(path: Path, channel: str | None = None) -> Recording:
         raise InputError(f"{path}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: not UTF-8: {error}") from error
+    except (csv.Error, RecursionError) as error:
+        raise InputError(f"{path}: {error}") from error
 
 
 def column_names(header: Sequence[str]) -> tuple[list[str], list[str]]:
