@@ -7,16 +7,40 @@ import signal
 import struct
 import subprocess
 import time
+from pathlib import Path
 from types import SimpleNamespace
 
 import can
 import pytest
+import yaml
+from glenoid.inputs import InputError
 from glenoid.programs import program
+
+ROOT = Path(__file__).resolve().parents[3]
 
 INTERFACE = "vcan0"
 SBIN = {**os.environ, "PATH": os.environ.get("PATH", "") + ":/usr/sbin:/sbin"}
 PATIENCE_S = 30.0
 QUEUE = 32
+BRIDGE_PERIOD_MS = 20
+# Periods of a machine with one slow processor; the tests of the bridge state its own in virtual time.
+TIMES = {
+    "sync": {"period_ms": BRIDGE_PERIOD_MS, "rpdo_phase": 0.5},
+    "setpoints": {
+        "period_ms": BRIDGE_PERIOD_MS,
+        "delay_ms": 100,
+        "hold_after_ms": 500,
+        "quick_stop_after_ms": 2000,
+        "disarm_after_ms": 4000,
+    },
+    "heartbeat": {
+        "master_id": 127,
+        "master_period_ms": 50,
+        "drive_waits_ms": 2000,
+        "drive_period_ms": 100,
+        "drive_timeout_ms": 5000,
+    },
+}
 
 
 def command(*words):
@@ -153,3 +177,56 @@ def drives(link):
     for process in running:
         process.kill()
         process.communicate()
+
+
+@pytest.fixture
+def patient(tmp_path):
+    """Profile of drives for which SYNC may come 2 s late."""
+    path = tmp_path / "patient.yaml"
+    path.write_text('name: patient\nobjects: {"2F10h:02": 2000000}\n')
+    return path
+
+
+@pytest.fixture
+def bridge_data(link):
+    """Configuration of a bridge on the interface, as plain data."""
+    config = yaml.safe_load((ROOT / "host/bridge/examples/six_drives.yaml").read_text(encoding="utf-8"))
+    arm = config["exoskeletons"]["six_drives"]
+    arm.update(TIMES)
+    arm["joint_defaults"]["limits"]["step_rad"] = 1.0  # setpoints are 0.1 s ahead of the commands, or more
+    for joint in arm["joints"][2:5]:
+        joint["limits"] = {"lower_rad": -2.8, "upper_rad": 2.8}
+    arm["buses"][0]["url"] = f"socketcan:{link.name}"
+    return config
+
+
+@pytest.fixture
+def bridge(bridge_data, tmp_path):
+    """Starts glenoid-bridge on the interface; `stop()` gives what it said and its log of frames."""
+    try:
+        path = program("glenoid-bridge")
+    except InputError as error:
+        pytest.skip(str(error))
+    file, log = tmp_path / "bridge.yaml", tmp_path / "frames.log"
+    file.write_text(yaml.safe_dump(bridge_data), encoding="utf-8")
+    running = []
+
+    def start(*arguments, before=()):
+        """`before` is put in front of the program."""
+        output = (tmp_path / "bridge.txt").open("w+")
+        words = [*before, path, file, "--priority", "0", "--log", log, *arguments]
+        process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=output, stderr=subprocess.STDOUT)
+        running.append(process)
+
+        def stop():
+            process.send_signal(signal.SIGTERM)
+            process.wait(PATIENCE_S)
+            output.seek(0)
+            return output.read(), log
+
+        return SimpleNamespace(process=process, stop=stop)
+
+    yield start
+    for process in running:
+        process.kill()
+        process.wait()

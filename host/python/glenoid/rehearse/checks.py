@@ -97,9 +97,10 @@ def gather(scenario: Scenario, motion: Motion, record: Record) -> Evidence:
     times = record.feedback["time_ns"]
     faults = [record.origin_ns + round(1e9 * fault.at_s) for fault in scenario.data.faults]
     first = min(faults) if faults else None
-    end = record.origin_ns + round(1e9 * motion.rows * motion.period_s)
+    late_ns = config.delay_ns + config.period_ns
+    end = record.origin_ns + round(1e9 * motion.rows * motion.period_s) + late_ns
     until = end if first is None else min(first, end)
-    row = 1e-9 * (times - config.delay_ns - config.period_ns - record.origin_ns) / motion.period_s
+    row = 1e-9 * (times - late_ns - record.origin_ns) / motion.period_s
     inside = (row >= 0.0) & (row <= motion.rows - 1) & (times < until)
     at = row[inside]
     grid = np.arange(motion.rows, dtype=float)
