@@ -4,10 +4,15 @@ import json
 import os
 import signal
 import subprocess
+import sys
+from pathlib import Path
 
 import can
 import pytest
 from glenoid.programs import program
+
+sys.path.insert(0, str(Path(__file__).parent))
+from bridge_process import Bridge
 
 FIRST_PORT = 43200  # beside python-can's 43113, so that nobody else is heard
 
@@ -60,3 +65,16 @@ def python_bus(bus_address):
     group, port = bus_address
     with can.Bus(group, interface="udp_multicast", port=port, receive_own_messages=False) as bus:
         yield bus
+
+
+@pytest.fixture
+def start(tmp_path, bus_address):
+    running = []
+
+    def begin(changes=None, arguments=()):
+        running.append(Bridge(tmp_path, bus_address, changes, arguments))
+        return running[-1]
+
+    yield begin
+    for one in running:
+        one.close()
