@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -69,7 +70,7 @@ void DiscreteGeodesic::evaluate(const ArmModel& arm, State& s) noexcept {
       for (int i = rows; i < kPadded; ++i) s.momentum[k][i] = 0.0;
     });
   }
-  apply_stiffness(grid_->stiffness.data(), s.momentum, order() + 1, s.force);
+  apply_to_nodes(grid_->stiffness.data(), s.momentum, order() + 1, s.force);
   energy_ = 0.0;
   for (std::size_t k = 1; k < count; ++k) {
     with_rows(turning_, [this, &s, k](auto rows) {
@@ -222,20 +223,19 @@ double DiscreteGeodesic::transversality() const noexcept {
 }
 
 double DiscreteGeodesic::speed_variation() const noexcept {
-  const auto count = static_cast<std::size_t>(order()) + 1;
-  const int rows = turning_ ? kEmbedding : kColumns;
-  double least = 1e300, most = 0.0;
-  for (std::size_t k = 0; k < count; ++k) {
-    double velocity[kEmbedding] = {}, momentum[kEmbedding] = {};
-    for (std::size_t j = 0; j < count; ++j) {
-      const double w = grid_->derivative[k * count + j];
-      for (int i = 0; i < rows; ++i) {
-        velocity[i] += w * (current_->node[j].F[i] - current_->node[0].F[i]);
-        momentum[i] += w * current_->momentum[j][i];
-      }
-    }
+  alignas(32) double shift[kNodes][kPadded], velocity[kNodes][kPadded], momentum[kNodes][kPadded];
+  const int count = order() + 1, rows = turning_ ? kEmbedding : kColumns;
+  const auto& node = current_->node;
+  for (int k = 0; k < count; ++k) {
+    const double* F = node[static_cast<std::size_t>(k)].F;
+    for (int i = 0; i < kPadded; ++i) shift[k][i] = i < rows ? F[i] - node[0].F[i] : 0.0;
+  }
+  apply_to_nodes(grid_->derivative.data(), shift, count, velocity);
+  apply_to_nodes(grid_->derivative.data(), current_->momentum, count, momentum);
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  for (int k = 0; k < count; ++k) {
     double twice = 0.0;
-    for (int i = 0; i < rows; ++i) twice += velocity[i] * momentum[i];
+    for (int i = 0; i < kPadded; ++i) twice += velocity[k][i] * momentum[k][i];
     least = std::min(least, 0.5 * twice);
     most = std::max(most, 0.5 * twice);
   }

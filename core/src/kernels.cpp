@@ -140,12 +140,12 @@ void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* 
 }
 
 GLENOID_CPU_CLONES
-void apply_stiffness(const double* S, const double (*momentum)[kPadded], int count, double (*out)[kPadded]) noexcept {
+void apply_to_nodes(const double* A, const double (*value)[kPadded], int count, double (*out)[kPadded]) noexcept {
   for (int k = 0; k < count; ++k) {
     V4 f0{}, f1{}, f2{}, f3{}, f4{};
     for (int j = 0; j < count; ++j) {
-      const double w = S[k * count + j];
-      const double* m = momentum[j];
+      const double w = A[k * count + j];
+      const double* m = value[j];
       f0 += lanes(m) * w;
       f1 += lanes(m + 4) * w;
       f2 += lanes(m + 8) * w;

@@ -29,8 +29,8 @@ void apply_mass(const double* mass, double turning, EmbeddedNode& node) noexcept
 void gram_row(const EmbeddedNode& row, const EmbeddedNode* nodes, const double* weights, int count, bool turning,
               Tile* tiles) noexcept;
 
-/// out[k] = sum_j S[k, j] momentum[j] for k, j < count.
-void apply_stiffness(const double* S, const double (*momentum)[kPadded], int count, double (*out)[kPadded]) noexcept;
+/// out[k] = sum_j A[k, j] value[j] for k, j < count: stiffness or derivative of nodal values.
+void apply_to_nodes(const double* A, const double (*value)[kPadded], int count, double (*out)[kPadded]) noexcept;
 
 /// Value, first and second derivative with respect to x of eight Legendre series of degree `order` at x in [-1, 1];
 /// coefficients of degree n at [8 n]; out[0..2] 32-byte aligned.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -72,6 +73,17 @@ bool most_stretched(const ArmModel& arm, const Vec3& wrist, Vec3& u, double& dis
   return std::isfinite(distance);
 }
 
+/// Metres inside the reach, with u turned from where it is to the direction in which the arm is most stretched; infinite where
+/// there is none. `stretch_margin`: of its far side alone.
+double reach_margin(const ArmModel& arm, const Vec3& wrist, Vec3& u, double& stretch_margin) {
+  double distance = 0.0;
+  if (!most_stretched(arm, wrist, u, distance)) return -std::numeric_limits<double>::infinity();
+  Reach folded;
+  evaluate_reach(arm, wrist, -u, folded);
+  stretch_margin = arm.forearm.length_m - distance;
+  return std::min(stretch_margin, folded.v.norm() - arm.forearm.length_m);
+}
+
 bool inside_known_loop(const ArmModel& arm, const Vec3& wrist, const SelfMotion& found, const Vec3& u) {
   for (int i = 0; i < found.count; ++i) {
     const SelfMotionLoop& loop = found.loops[static_cast<std::size_t>(i)];
@@ -87,6 +99,11 @@ bool inside_known_loop(const ArmModel& arm, const Vec3& wrist, const SelfMotion&
 
 }  // namespace
 
+double reach_margin_near(const ArmModel& arm, const Vec3& wrist, Vec3 u) noexcept {
+  double stretch_margin = 0.0;
+  return reach_margin(arm, wrist, u, stretch_margin);
+}
+
 void find_self_motion(const ArmModel& arm, const Vec3& wrist, SelfMotion& out) noexcept {
   constexpr double kStartElevations[] = {0.6, 1.3, 2.0, 2.6};  // rad; the shoulder there decides the first direction
   out.count = 0;
@@ -100,17 +117,15 @@ void find_self_motion(const ArmModel& arm, const Vec3& wrist, SelfMotion& out) n
     const Vec3 chord = wrist - arm.rhythm.position(-start);
     if (!(chord.norm() > 1e-9)) continue;
     Vec3 u = chord.normalized();
-    double distance = 0.0;
-    if (most_stretched(arm, wrist, u, distance)) {
-      Reach folded;
-      evaluate_reach(arm, wrist, -u, folded);
-      const double margin = std::min(arm.forearm.length_m - distance, folded.v.norm() - arm.forearm.length_m);
+    double stretch_margin = 0.0;
+    const double margin = reach_margin(arm, wrist, u, stretch_margin);
+    if (std::isfinite(margin)) {
       out.reach_margin_m = std::max(out.reach_margin_m, margin);
       if (margin >= 0.0 && out.count < SelfMotion::kMaxLoops && !inside_known_loop(arm, wrist, out, u)) {
         SelfMotionLoop& loop = out.loops[static_cast<std::size_t>(out.count++)];
         loop.centre = u;
         tangent_basis(u, loop.e1, loop.e2);
-        loop.stretch_margin_m = arm.forearm.length_m - distance;
+        loop.stretch_margin_m = stretch_margin;
       }
     }
     if (!moves) break;

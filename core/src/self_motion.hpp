@@ -25,6 +25,10 @@ struct SelfMotion {
 /// Finds every loop for a wrist target. @alloc none
 void find_self_motion(const ArmModel& arm, const Vec3& wrist, SelfMotion& out) noexcept;
 
+/// Metres inside the reach of the shoulder position that belongs to the most stretched arm near the upper-arm direction u;
+/// negative = unreachable from there. @alloc none
+double reach_margin_near(const ArmModel& arm, const Vec3& wrist, Vec3 u) noexcept;
+
 /// Posture at angle psi of a loop. `opening` is the angle between u and the centre: guess in (0 = none), solution out.
 /// @return false where the ray at psi meets no posture.
 bool loop_posture(const ArmModel& arm, const Vec3& wrist, const SelfMotionLoop& loop, double psi, double& opening,

@@ -14,12 +14,11 @@ namespace {
 constexpr double kMarginTolerance = 1e-9;  // rad; rounding of an end posture that sits on a limit
 
 /// Part of an earlier path from lambda on, as a sketch on the grid that a solution begins with: the start of a re-planned one.
-void remaining_path(const GeodesicPath& path, double lambda, GeodesicPath& out) {
-  constexpr int kOrder = GeodesicOptions{}.first_order;
-  const Lobatto& grid = lobatto(kOrder);
-  out.order = kOrder;
+void remaining_path(const GeodesicPath& path, double lambda, int order, GeodesicPath& out) {
+  const Lobatto& grid = lobatto(order);
+  out.order = order;
   out.energy = path.energy * (1.0 - lambda) * (1.0 - lambda);
-  for (int k = 0; k <= kOrder; ++k) {
+  for (int k = 0; k <= order; ++k) {
     const auto i = static_cast<std::size_t>(k);
     out.nodes[i] = path_posture(path, lambda + (1.0 - lambda) * grid.node[i]);
   }
@@ -51,6 +50,7 @@ Status ReachPlanner::replan_minimum_energy(const ArmModel& arm, const Posture& s
   constexpr GeodesicOptions kQuick = [] {
     GeodesicOptions options;
     options.quick = true;  // the search is the other way
+    options.first_order = 6;
     return options;
   }();
   constexpr double kRest = 0.95;  // lambda beyond which nothing is left of the earlier path
@@ -59,19 +59,18 @@ Status ReachPlanner::replan_minimum_energy(const ArmModel& arm, const Posture& s
   const bool near = previous.order > 0 && previous_lambda < kRest &&
                     (forward_kinematics(arm, end).wrist - target).norm() < kNear;
   if (near) {
-    remaining_path(previous, std::max(previous_lambda, 0.0), workspace_->remaining);
+    remaining_path(previous, std::max(previous_lambda, 0.0), kQuick.first_order, workspace_->remaining);
     ReachPlan& trial = workspace_->search.trial;
-    SelfMotion motion;
-    find_self_motion(arm, target, motion);
+    const double reach_margin = reach_margin_near(arm, target, -end.R_TU.col(2));
     GeodesicSolver& solver = workspace_->search.solver;
-    if (motion.count > 0 && solver.solve_free_end(arm, start, end, target, kQuick, &workspace_->remaining, trial.path,
-                                                  trial.certificate) == Status::Ok) {
+    if (reach_margin >= 0.0 && solver.solve_free_end(arm, start, end, target, kQuick, &workspace_->remaining,
+                                                     trial.path, trial.certificate) == Status::Ok) {
       const Posture& found = trial.path.nodes[static_cast<std::size_t>(trial.path.order)];
       const LimitMargin margin = limit_margin(arm.limits, found);
       if (trial.certificate.hessian_positive && margin.margin_rad >= -kMarginTolerance) {
         out.path = trial.path;
         out.certificate = trial.certificate;
-        out.reach_margin_m = motion.reach_margin_m;
+        out.reach_margin_m = reach_margin;
         out.best_margin = margin;
         describe_reach(arm, target, out);
         return Status::Ok;
