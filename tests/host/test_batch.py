@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 Q0 = [0.26, -0.52, 0.52, 1.05]
 TARGET = [0.20, 0.36, 0.15]
 GOOD = {"id": "good", "q0": Q0, "target": TARGET}
-KEYS = {"id", "status", "q", "shoulder", "elbow", "wrist", "swivel", "energy", "iterations", "solve_us"}
+KEYS = {"id", "status", "q", "shoulder", "elbow", "wrist", "swivel", "energy", "iterations", "solve_us", "pulled_m"}
 
 
 def solve(*tasks, **common):
@@ -114,6 +114,8 @@ BAD = {
     "unknown key": (GOOD | {"tarjet": 1}, "InvalidInput"),
     "three angles": (GOOD | {"q0": [0, 0, 0]}, "InvalidInput"),
     "nan": (GOOD | {"target": [float("nan"), 0, 0]}, "NotFinite"),
+    "start in degrees": (GOOD | {"q0": [15, -30, 30, 60]}, "OutOfRange"),
+    "end in degrees": (GOOD | {"q1": [60, -30, 30, 60]}, "OutOfRange"),
     "infinite start": (GOOD | {"q0": [float("inf"), 0, 0, 1]}, "NotFinite"),
     "zero length": (GOOD | {"subject": {"forearm_length_m": 0}}, "InvalidInput"),
     "out of reach": (GOOD | {"target": [3, 0, 0]}, "TargetUnreachable"),
@@ -190,6 +192,18 @@ def test_a_task_without_rhythm_or_motion_has_no_joints():
     for answer in answers:
         assert answer.keys() == KEYS | EXO_KEYS
         assert answer["exo_q"] is None
+
+
+def test_an_angle_out_of_range_is_named():
+    (answer,) = solve(GOOD | {"q0": [0.2, 0.0, 0.0, 60.0]})
+    for word in ("'good'", "q0[4]", "60 rad", "4 pi", "degrees"):
+        assert word in answer["message"]
+
+
+def test_a_list_with_byte_order_mark_is_read(run, tmp_path):
+    file = tmp_path / "tasks.json"
+    file.write_bytes(b"\xef\xbb\xbf" + json.dumps([GOOD]).encode())
+    assert run("plan", "--batch", file, "--json").json[0]["status"] == "ok"
 
 
 def test_batch_is_deterministic():

@@ -20,6 +20,8 @@ from glenoid.settings import core_limits, core_prior, core_rhythm, core_subject,
 from glenoid.within_reach import plan_within_reach
 
 SAMPLES = 101
+#: no angle of a posture is written as more than this, whatever the turns of eta and zeta
+MOST_ANGLE_RAD = 4.0 * math.pi
 ANSWER_KEYS = ("q", "shoulder", "elbow", "wrist", "swivel", "energy", "iterations", "solve_us", "pulled_m")
 #: only with a device: joints, rad (rows of exo.q), residual, m, distances to the edge of reach and to singular, rad
 EXO_KEYS = ("exo_q", "exo_residual", "exo_margin", "exo_singularity", "exo_worst")
@@ -50,6 +52,17 @@ class Task(BaseModel):
         """Whether every number of the task is."""
         rows = (self.q0, self.target, self.q1 or (), self.subject.shoulder_start_m or (), *(self.gh_path_m or ()))
         return all(math.isfinite(value) for row in rows for value in row)
+
+    def refused(self) -> tuple[str, str] | None:
+        """Status and message of a task that is not planned at all; None for the others."""
+        if not self.is_finite():
+            return "NotFinite", ""
+        for name, angles in (("q0", self.q0), ("q1", self.q1 or ())):
+            for k, value in enumerate(angles, start=1):
+                if abs(value) > MOST_ANGLE_RAD:
+                    rule = "must be within -4 pi to 4 pi; degrees in the file?"
+                    return "OutOfRange", f"task {self.id!r}: {name}[{k}] = {value:g} rad: {rule}"
+        return None
 
 
 def read_tasks(path: Path) -> list[Any]:
@@ -189,7 +202,8 @@ def run_batch(tasks: list[Any], common: ReachInput, device: Device | None = None
         name = data.get("id", index) if isinstance(data, dict) else index
         try:
             task = Task.model_validate(data)
-            answers.append(planner.answer(task) if task.is_finite() else planner.refusal(name, "NotFinite"))
+            refused = task.refused()
+            answers.append(planner.refusal(name, *refused) if refused is not None else planner.answer(task))
         except ValidationError as error:
             answers.append(planner.refusal(name, "InvalidInput", str(explain(error, f"task {name!r}"))))
         except ValueError as error:
