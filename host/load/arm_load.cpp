@@ -26,6 +26,14 @@ ExoModel model_of(const ArmLoadSettings& settings) {
   return {settings.exo, Vec3(settings.girdle_length_m, 0.0, 0.0)};
 }
 
+Mat6 mass_of(const ArmLoadSettings& settings) {
+  ScaledArm arm;
+  arm.upper_arm = settings.upper_arm;
+  arm.forearm = settings.forearm;
+  arm.shoulder_distance_m = settings.girdle_length_m;
+  return make_arm_model(arm, Rhythm(), JointLimits(), true).mass;
+}
+
 Vec3 turned(const Vec3& about, double angle, const Vec3& v) noexcept { return Eigen::AngleAxisd(angle, about) * v; }
 
 /// Where the mechanism stands and the axes in T about which its joints turn it, unit.
@@ -100,9 +108,7 @@ Embedding bending(const Chain& c, const Vec6& v) noexcept {
 
 ArmDynamics::ArmDynamics(const ArmLoadSettings& settings)
     : exo_(model_of(settings)),
-      mass_(make_arm_model({settings.upper_arm, settings.forearm, settings.girdle_length_m, 0.0, {}}, Rhythm(),
-                           JointLimits(), true)
-                .mass),
+      mass_(mass_of(settings)),
       girdle_length_m_(settings.girdle_length_m),
       gravity_(0.0, 0.0, -settings.gravity_m_per_s2) {}
 

@@ -53,8 +53,8 @@ TEST(ArmDynamics, PulledBackThroughTIsTheMassMatrixAndTheCoriolisVectorOfTheArm)
     // A shoulder that stands still: then the arm's own coordinates and the device's say the same.
     RhythmSettings fixed;
     fixed.model = RhythmModel::Fixed;
-    const ArmModel arm = make_arm_model({settings.upper_arm, settings.forearm, settings.girdle_length_m, {}},
-                                        Rhythm(fixed, settings.girdle_length_m), JointLimits(), true);
+    const ArmModel arm = make_arm_model(scale_subject(Subject()), Rhythm(fixed, settings.girdle_length_m),
+                                        JointLimits(), true);
     const Vec3 centre = arm.rhythm.position(Vec3::UnitZ());
     const ExoModel exo(settings.exo, centre);
     const PointJet still{centre, Vec3::Zero(), Vec3::Zero()};
