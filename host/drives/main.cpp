@@ -87,6 +87,7 @@ int main_of(int argc, char** argv) {
   }
   std::unique_ptr<Load> load;
   if (!options.load.empty()) load = load::make_load(load::read_load_file(options.load), options.nodes);
+  if (!options.report.empty() && options.report != "-") write_text(options.report, "");  // better now than at the end
   can::PortOptions port_options;
   port_options.echo = false;
   const auto port = can::open_port(options.bus, port_options);

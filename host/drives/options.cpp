@@ -1,6 +1,7 @@
 #include "host/drives/options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
@@ -9,6 +10,7 @@ namespace glenoid::drives {
 namespace {
 
 constexpr double kNsPerS = 1e9;
+constexpr std::uint32_t kMostNode = 127;
 
 /// The number that a whole text is.
 double number_in(const std::string& text, const std::string& what) {
@@ -25,10 +27,11 @@ double number_in(const std::string& text, const std::string& what) {
   return value;
 }
 
-std::uint32_t count_in(const std::string& text, const std::string& what, double most) {
+std::uint32_t count_in(const std::string& text, const std::string& what, std::uint32_t most, std::uint32_t least = 0) {
   const double value = number_in(text, what);
-  if (value < 0.0 || value > most || value != std::floor(value)) {
-    throw std::invalid_argument(what + " = " + text + ": a whole number from 0 to " + std::to_string(most));
+  if (value < least || value > most || value != std::floor(value)) {
+    throw std::invalid_argument(what + " = " + text + ": must be a whole number from " + std::to_string(least) +
+                                " to " + std::to_string(most));
   }
   return static_cast<std::uint32_t>(value);
 }
@@ -50,8 +53,11 @@ std::vector<std::uint8_t> parse_nodes(const std::string& text) {
   std::vector<std::uint8_t> nodes;
   for (const std::string& part : split(text, ',')) {
     const std::vector<std::string> ends = split(part, '-');
-    const std::uint32_t first = count_in(ends.front(), "--nodes", 127);
-    const std::uint32_t last = count_in(ends.back(), "--nodes", 127);
+    const std::uint32_t first = count_in(ends.front(), "--nodes", kMostNode, 1);
+    const std::uint32_t last = count_in(ends.back(), "--nodes", kMostNode, 1);
+    if (ends.size() > 2 || last < first) {
+      throw std::invalid_argument("--nodes = " + part + ": must be one id, or FIRST-LAST with FIRST not above LAST");
+    }
     for (std::uint32_t node = first; node <= last; ++node) nodes.push_back(static_cast<std::uint8_t>(node));
   }
   return nodes;
@@ -61,7 +67,17 @@ std::vector<std::uint8_t> parse_nodes(const std::string& text) {
 std::filesystem::path profile_file(const std::string& name) {
   if (std::filesystem::exists(name)) return name;
   const auto program = std::filesystem::read_symlink("/proc/self/exe");
-  return program.parent_path().parent_path() / "share/glenoid/drives" / (name + ".yaml");
+  const auto shipped = program.parent_path().parent_path() / "share/glenoid/drives";
+  const auto file = shipped / (name + ".yaml");
+  if (std::filesystem::exists(file)) return file;
+  std::vector<std::string> names;
+  if (std::filesystem::is_directory(shipped))
+    for (const auto& entry : std::filesystem::directory_iterator(shipped))
+      names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  std::string known;
+  for (const std::string& one : names) known.append(one).append(", ");
+  throw std::invalid_argument("--profile = " + name + ": must be a file or one of " + known + "in " + shipped.string());
 }
 
 /// "nominal" for all drives, "3=isel_imd20" for one.
@@ -69,10 +85,11 @@ void choose_profiles(const std::vector<std::string>& wanted, Options& options) {
   options.profiles.assign(options.nodes.size(), load_profile(profile_file("nominal")));
   for (const std::string& text : wanted) {
     const std::vector<std::string> parts = split(text, '=');
+    if (parts.size() > 2) throw std::invalid_argument("--profile = " + text + ": must be NAME or NODE=NAME");
     const Profile profile = load_profile(profile_file(parts.back()));
     bool used = false;
     for (std::size_t k = 0; k < options.nodes.size(); ++k) {
-      if (parts.size() == 2 && count_in(parts[0], "--profile", 127) != options.nodes[k]) continue;
+      if (parts.size() == 2 && count_in(parts[0], "--profile", kMostNode, 1) != options.nodes[k]) continue;
       options.profiles[k] = profile;
       used = true;
     }
@@ -90,9 +107,10 @@ ScheduledFault parse_fault(const std::string& text) {
     if (pair.size() != 2) throw std::invalid_argument("fault " + text + ": " + part + " is not key=value");
     const std::string what = "fault " + text + ": " + pair[0];
     if (pair[0] == "node") {
-      planned.node = static_cast<std::uint8_t>(count_in(pair[1], what, 127));
+      planned.node = static_cast<std::uint8_t>(count_in(pair[1], what, kMostNode));
     } else if (pair[0] == "at") {
       planned.at_ns = std::llround(number_in(pair[1], what) * kNsPerS);
+      if (planned.at_ns < 0) throw std::invalid_argument(what + " = " + pair[1] + " s: must not be negative");
     } else if (pair[0] == "amount") {
       planned.fault.amount = count_in(pair[1], what, 0xFFFFFFFF);
     } else if (pair[0] == "ms") {
@@ -107,6 +125,12 @@ ScheduledFault parse_fault(const std::string& text) {
     }
   }
   if (!has_kind) throw std::invalid_argument("fault " + text + ": kind is missing");
+  const std::uint32_t most = planned.fault.kind == FaultKind::Drop        ? 1000
+                             : planned.fault.kind == FaultKind::Emergency ? 0xFFFF
+                                                                          : 0xFFFFFFFF;
+  if (planned.fault.amount > most)
+    throw std::invalid_argument("fault " + text + ": amount = " + std::to_string(planned.fault.amount) +
+                                ": must be at most " + std::to_string(most));
   return planned;
 }
 
@@ -122,7 +146,9 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                  "node=3,at=2.5,kind=emcy[,amount=N][,ms=N]; at in s after the start; repeatable. "
                  "Kinds: drop delay stall emcy reboot stuck-encoder bus-off jam none");
   app.add_option("--load", options.load, "File of the arm that the drives carry (load.yaml of a rehearsal)");
-  app.add_option("--seed", options.seed, "Of the frames that the fault drop loses")->capture_default_str();
+  app.add_option("--seed", options.seed, "Of the frames that the fault drop loses")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app.add_option("--duration-s", options.duration_s, "End after this long, s; 0: at SIGINT or SIGTERM");
   app.add_option("--report", options.report, "Write the JSON report there instead of to standard output");
   app.add_option("--eds", options.eds, "Write the electronic data sheet of the first node's profile and end");
@@ -134,7 +160,17 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   }
   options.nodes = parse_nodes(nodes);
   choose_profiles(profiles, options);
-  for (const std::string& text : faults) options.faults.push_back(parse_fault(text));
+  for (const std::string& text : faults) {
+    options.faults.push_back(parse_fault(text));
+    const std::uint8_t node = options.faults.back().node;
+    if (node != 0 && std::find(options.nodes.begin(), options.nodes.end(), node) == options.nodes.end())
+      throw std::invalid_argument("fault " + text + ": node = " + std::to_string(node) + ": must be one of --nodes " +
+                                  nodes);
+  }
+  if (!(options.duration_s >= 0.0) || options.duration_s > 1e9)
+    throw std::invalid_argument("--duration-s = " + std::to_string(options.duration_s) + " s: must be 0 to 1e9");
+  for (const double start : options.start_rad)
+    if (!std::isfinite(start)) throw std::invalid_argument("--start-rad: must be finite");
   if (options.start_rad.empty()) options.start_rad.assign(options.nodes.size(), 0.0);
   if (options.start_rad.size() != options.nodes.size()) {
     throw std::invalid_argument("--start-rad: " + std::to_string(options.start_rad.size()) + " values for " +

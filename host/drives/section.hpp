@@ -73,6 +73,7 @@ class Section {
 
 /// The whole file. @throws std::invalid_argument naming the file and what YAML finds wrong
 inline Section read_yaml(const std::filesystem::path& file) {
+  if (!std::filesystem::is_regular_file(file)) throw std::invalid_argument(file.string() + ": no such file");
   try {
     return {YAML::LoadFile(file.string()), file.filename().string()};
   } catch (const YAML::Exception& error) {
