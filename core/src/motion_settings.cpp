@@ -20,7 +20,8 @@ void validate(const MotionSettings& s, double start_time) {
   problems.require_range("motion.duration", s.duration_s, kLeastDuration, kMostDuration, "s");
   problems.require_range("swivel.prescribed", s.swivel_prescribed_rad, -2.0 * kPi, 2.0 * kPi, "rad");
   problems.require(std::isfinite(start_time), "start time", start_time, "s", "must be finite");
-  problems.require_range("metric.axialFactor", s.axial_factor, 1.0, 5.0, "1");
+  problems.require(s.axial_factor == 0.0 || (s.axial_factor >= 1.0 && s.axial_factor <= 5.0), "metric.axialFactor",
+                   s.axial_factor, "1", "must be in 1..5, or 0 (3 with HumanPrior, else 1)");
   const int mode = static_cast<int>(s.swivel_mode);
   problems.require(mode >= 1 && mode <= 3, "swivel.mode", mode, "",
                    "must be 1 (MinimumEnergy), 2 (Prescribed) or 3 (HumanPrior)");
@@ -62,7 +63,7 @@ ArmModel build_arm(const MotionSettings& s, const ScaledArm& scaled) {
     rhythm.anchor(posture_from_angles(s.start_q).R_TU.col(2), mirror_if(s.subject.left_arm, *s.shoulder_start_m));
   }
   ScaledArm inertias = scaled;
-  apply_axial_factor(inertias, s.axial_factor);
+  apply_axial_factor(inertias, effective_axial_factor(s.axial_factor, s.swivel_mode));
   return make_arm_model(inertias, rhythm, s.limits, s.moving_shoulder);
 }
 

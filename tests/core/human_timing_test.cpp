@@ -87,9 +87,26 @@ TEST(AxialFactor, AddsTheAxialInertiaAndTurning) {
   }
 }
 
+TEST(AxialFactor, ThatIsNotGivenIsOneExceptWithTheHumanPrior) {
+  EXPECT_EQ(effective_axial_factor(0.0, SwivelMode::MinimumEnergy), 1.0);
+  EXPECT_EQ(effective_axial_factor(0.0, SwivelMode::HumanPrior), kHumanAxialFactor);
+  EXPECT_EQ(effective_axial_factor(1.0, SwivelMode::HumanPrior), 1.0);
+  MotionSettings settings;
+  settings.swivel_mode = SwivelMode::HumanPrior;
+  double energy[2] = {};
+  for (const double factor : {0.0, kHumanAxialFactor}) {
+    settings.axial_factor = factor;
+    MotionGenerator generator(settings, 0.0);
+    ASSERT_EQ(generator.command(0.0, {Vec3(0.20, 0.42, 0.25)}), Status::Ok);
+    energy[factor == 0.0 ? 0 : 1] = generator.state().path.energy;
+  }
+  EXPECT_GT(energy[0], 0.0);
+  EXPECT_EQ(energy[0], energy[1]);
+}
+
 TEST(AxialFactor, IsRefusedOutsideItsRange) {
   MotionSettings settings;
-  for (const double factor : {0.99, 5.01, std::nan("")}) {
+  for (const double factor : {-1.0, 0.99, 5.01, std::nan("")}) {
     settings.axial_factor = factor;
     EXPECT_TRUE(contains(refusal([&] { const MotionGenerator g(settings, 0.0); }), "metric.axialFactor")) << factor;
   }

@@ -11,13 +11,22 @@
 
 namespace glenoid {
 
+/// Axial factor whose paths are nearest to people's (docs/human-likeness.md).
+inline constexpr double kHumanAxialFactor = 3.0;
+
+/// The factor in use: a given one, and for 0 that of people where the posture is that of people, else the kinetic energy's.
+constexpr double effective_axial_factor(double factor, SwivelMode mode) noexcept {
+  if (factor != 0.0) return factor;
+  return mode == SwivelMode::HumanPrior ? kHumanAxialFactor : 1.0;
+}
+
 /// Everything that is fixed before the first movement. Units SI and rad; T is the thorax frame of the person's own side
 /// (x to the right for both arms: a left arm is mirrored inside).
 struct MotionSettings {
   Subject subject;
   RhythmSettings rhythm;
   bool moving_shoulder = true;
-  double axial_factor = 1.0;  ///< times the segments' axial inertias in the metric, 1..5; 1 = the kinetic energy (M5)
+  double axial_factor = 0.0;  ///< of turning in the metric (M5, M6), 1..5; 1 = the kinetic energy; 0 = effective_axial_factor
   SwivelMode swivel_mode = SwivelMode::MinimumEnergy;
   double swivel_prescribed_rad = 0.2;
   PosturePriorCoefficients posture_prior{};  ///< used by HumanPrior, which is anchored at start_q

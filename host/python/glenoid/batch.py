@@ -95,7 +95,7 @@ class BatchPlanner:
         """The arm of a task. A measured shoulder path replaces the rhythm; its end is the final posture's shoulder."""
         lengths = task.subject.model_dump(exclude={"shoulder_start_m"}, exclude_none=True)
         subject = self.common.subject.model_copy(update=lengths)
-        scaled = with_axial_factor(_core.scale_subject(core_subject(subject)), self.common.axial_factor)
+        scaled = with_axial_factor(_core.scale_subject(core_subject(subject)), self.common)
         settings = core_rhythm(self.common.rhythm)
         moving = self.common.metric == "movingShoulder"
         anchor = task.subject.shoulder_start_m

@@ -123,7 +123,9 @@ class ReachInput(Strict):
     rhythm: RhythmInput = RhythmInput()
     swivel: SwivelInput = SwivelInput()
     metric: MetricName = "movingShoulder"
-    axial_factor: Annotated[float, Field(ge=1.0, le=5.0)] = 1.0
+    axial_factor: Annotated[float, Field(ge=1.0, le=5.0)] | None = Field(
+        default=None, description="price of turning in the metric; 1 = kinetic energy; none = 3 with HumanPrior, else 1"
+    )
     timing: TimingName = "MinimumJerkRiemannian"
     measured: MeasuredInput = MeasuredInput()
 

@@ -74,9 +74,10 @@ def core_prior(reach: ReachInput) -> _core.PosturePriorCoefficients:
     return out
 
 
-def with_axial_factor(scaled: _core.ScaledArm, factor: float) -> _core.ScaledArm:
+def with_axial_factor(scaled: _core.ScaledArm, reach: ReachInput) -> _core.ScaledArm:
     """Makes turning dearer in the metric, in place, as the core does for its own generator (M5, M6)."""
-    _core.apply_axial_factor(scaled, factor)
+    mode = getattr(_core.SwivelMode, reach.swivel.mode)
+    _core.apply_axial_factor(scaled, _core.effective_axial_factor(reach.axial_factor or 0.0, mode))
     return scaled
 
 
@@ -90,7 +91,7 @@ def core_motion(reach: ReachInput, exo: _core.ExoSettings | None = None) -> _cor
     settings.swivel_mode = getattr(_core.SwivelMode, reach.swivel.mode)
     settings.swivel_prescribed_rad = reach.swivel.prescribed_rad
     settings.posture_prior = core_prior(reach)
-    settings.axial_factor = reach.axial_factor
+    settings.axial_factor = reach.axial_factor or 0.0
     settings.timing = getattr(_core.TimingLaw, reach.timing)
     settings.duration_s = reach.duration_s
     settings.start_q_rad = np.array(reach.start_rad)

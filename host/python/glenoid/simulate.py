@@ -88,7 +88,7 @@ def start_values(reach: ReachInput, shift: Array, device: Device | None = None) 
         "rhythm.gain": reach.rhythm.gain,
         "rhythm.smoothing": reach.rhythm.smoothing_rad,
         "metric.movingShoulder": reach.metric == "movingShoulder",
-        "metric.axialFactor": reach.axial_factor,
+        "metric.axialFactor": reach.axial_factor or 0.0,
         "swivel.mode": _core.SwivelMode[reach.swivel.mode].value,
         "swivel.prescribed": reach.swivel.prescribed_rad,
         "motion.duration": reach.duration_s,

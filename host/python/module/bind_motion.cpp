@@ -29,6 +29,9 @@ void bind_settings(nb::module_& module) {
       .value("LimitsInfeasible", MotionStatus::LimitsInfeasible)
       .value("ExoInfeasible", MotionStatus::ExoInfeasible)
       .value("SolverFailed", MotionStatus::SolverFailed);
+  module.attr("HUMAN_AXIAL_FACTOR") = kHumanAxialFactor;
+  module.def("effective_axial_factor", &effective_axial_factor, "factor"_a, "mode"_a,
+             "A given factor, and for 0 that of people with HumanPrior, else 1.");
   nb::class_<MotionSettings>(module, "MotionSettings", "Everything that is fixed before the first movement.")
       .def(nb::init<>())
       .def_rw("subject", &MotionSettings::subject)

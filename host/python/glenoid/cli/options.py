@@ -46,7 +46,10 @@ Smoothing = Annotated[float | None, typer.Option("--smoothing-rad", help="Smooth
 Metric = Annotated[str | None, typer.Option(help="Kinetic energy with movingShoulder or fixedShoulder.")]
 AxialFactor = Annotated[
     float | None,
-    typer.Option("--axial-factor", help="Times the axial inertia in the metric, 1..5; 1 = kinetic energy."),
+    typer.Option(
+        "--axial-factor",
+        help="Price of turning in the metric, 1..5; 1 = kinetic energy. Default: 3 with HumanPrior, else 1.",
+    ),
 ]
 Swivel = Annotated[str | None, typer.Option(help="Final posture: MinimumEnergy, Prescribed, HumanPrior.")]
 SwivelRad = Annotated[float | None, typer.Option("--swivel-prescribed-rad", help="Swivel angle of Prescribed, rad.")]

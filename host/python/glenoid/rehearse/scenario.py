@@ -269,7 +269,7 @@ class ScenarioInput(Strict):
     rhythm: RhythmInput = RhythmInput()
     swivel: SwivelInput = SwivelInput()
     metric: MetricName = "movingShoulder"
-    axial_factor: Annotated[float, Field(ge=1.0, le=5.0)] = 1.0
+    axial_factor: Annotated[float, Field(ge=1.0, le=5.0)] | None = None
     timing: TimingName = "MinimumJerkRiemannian"
     movements: Annotated[list[MovementInput], Field(min_length=1, max_length=1000)]
     mode: Literal["virtual_time", "real_time"] = "virtual_time"

@@ -25,7 +25,7 @@ MOST_PULL_M = 0.25
 CONSTANT_SWIVEL_RAD = np.deg2rad(36.0)
 ALMOST_STRAIGHT = 0.999
 #: the axial factor (M5, M6) whose paths are nearest to people's
-HUMAN_AXIAL_FACTOR = 3.0
+HUMAN_AXIAL_FACTOR = _core.HUMAN_AXIAL_FACTOR
 
 
 class Course(Protocol):
