@@ -13,7 +13,7 @@ AT_ONCE = [
     ("subject.mass", -75.0, "kg"), ("subject.mass", math.inf, "kg"),
     ("subject.upperArmLength", -0.3, "m"), ("subject.forearmLength", -1e-300, "m"), ("subject.shoulderDistance", 17.0, "m"),
     ("rhythm.model", 0, ""), ("rhythm.model", 4, ""), ("rhythm.gain", 1.6, ""), ("rhythm.smoothing", -0.1, "rad"),
-    ("swivel.mode", -1, ""), ("metric.axialFactor", 0.5, ""), ("motion.timing", 4, ""), ("swivel.prescribed", 20.0, "rad"),
+    ("swivel.mode", -1, ""), ("metric.axialFactor", -0.5, ""), ("motion.timing", 4, ""), ("swivel.prescribed", 20.0, "rad"),
     ("motion.duration", 0.0, "s"), ("motion.duration", -1.5, "s"), ("motion.duration", 61.0, "s"),
     ("limits.lower[1]", -0.1, "rad"), ("limits.upper[4]", 145.0, "rad"), ("start.q[1]", 15.0, "rad"),
     ("start.q[2]", math.nan, "rad"), ("exo.axis1[3]", 1.5, ""), ("exo.base[1]", -math.inf, "rad"), ("exo.girdleOrder", 3, ""),
@@ -46,6 +46,7 @@ TOGETHER = {
     "start outside limits": ({"limits.upper[4]": 0.9}, ["start", "phi", "rad"]),
     "axis of length zero": ({"exo.axis1": (0, 0, 0)}, ["exo.axis1"]),
     "axis not a unit vector": ({"exo.axis2": (1, 1, 0)}, ["exo.axis2"]),
+    "between the automatic factor and the least": ({"metric.axialFactor": 0.5}, ["metric.axialFactor", "1..5"]),
     "range crossed": ({"exo.lower[3]": 0.5, "exo.upper[3]": -0.5}, ["exo.lower", "rad"]),
     "carried base without a girdle": ({"exo.baseFollowsGirdle": True, "exo.girdleDrives": 4}, ["girdle", "drives"]),
 }
