@@ -17,7 +17,7 @@ constexpr double kRivalCellWidth = 8.0 * kPi /
                                    180.0;  // the same where the rotation is wide and two geodesics may compete
 constexpr double kRival = 0.02;            // relative energy within which a second candidate is examined
 constexpr double kWideTurn = 1.9;          // rad; beyond it cold starts are tried beside the warm one
-constexpr double kDear = 1.2;              // times the least energy: what a second geodesic does not save
+constexpr double kDear = 1.3;              // times the least energy: what a second geodesic does not save
 constexpr double kTangentStep = 1e-5;      // rad of psi
 constexpr double kMarginTolerance = 1e-9;  // rad; rounding of an end posture that sits on a limit
 constexpr GeodesicOptions kCoarse{std::numeric_limits<double>::infinity(), 6, 6, 1e-1};
