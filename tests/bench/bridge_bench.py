@@ -73,17 +73,23 @@ class Observer:
         return figures
 
 
-def configuration(port, rate_hz):
+def six_drives(url, rate_hz):
+    """The example's six drives on one bus, with room for a Python source on a machine that does other work."""
     period_ms = 1e3 / rate_hz
     text = (Path(__file__).parents[2] / "host/bridge/examples/six_drives.yaml").read_text()
     config = yaml.safe_load(text)["exoskeletons"]["six_drives"]
-    url = f"udp:{GROUP}:{port}"
     config["sync"]["period_ms"] = period_ms
     config["setpoints"] = {"period_ms": period_ms, "delay_ms": 50, "hold_after_ms": 500, "quick_stop_after_ms": 900}
     config["setpoints"]["disarm_after_ms"] = 1500
+    config["buses"][0]["url"] = url
+    return config
+
+
+def configuration(port, rate_hz):
+    url = f"udp:{GROUP}:{port}"
+    config = six_drives(url, rate_hz)
     config["supervision"] = {"feedback_misses": 1000, "transmit_skips": 100}
     config["heartbeat"] |= {"drive_waits_ms": 2000, "drive_timeout_ms": 5000}
-    config["buses"][0]["url"] = url
     if rate_hz > 500:  # the checker knows that one real bus cannot carry this; two names for one UDP bus can
         config["buses"] = [{"name": "arm", "url": url}, {"name": "girdle", "url": f"udp:{GROUP}:{port + 1}"}]
         for joint in config["joints"][:3]:
@@ -111,7 +117,8 @@ def start_drives(port, rate_hz):
     return started
 
 
-def stream(source, rate_hz, seconds, started=False):
+def stream(source, rate_hz, seconds, watch=None):
+    """A slow swing of all joints at the rate; `watch`, if given, is called with the time every ten seconds."""
     begin, number = time.monotonic(), 0
     origin_ns = now_ns()
     while time.monotonic() - begin < seconds:
@@ -120,8 +127,10 @@ def stream(source, rate_hz, seconds, started=False):
         source.publish(at_ns, [0.2 * (1 - math.cos(t))] * JOINTS, [0.2 * math.sin(t)] * JOINTS)
         source.poll()
         number += 1
-        if not started and number == int(0.2 * rate_hz):
+        if number == int(0.2 * rate_hz):
             source.request(command_v1_t.START)
+        if watch is not None and number % (10 * rate_hz) == 0:
+            watch(t)
         time.sleep(max(0.0, begin + number / rate_hz - time.monotonic()))
 
 

@@ -16,33 +16,20 @@ import time
 from pathlib import Path
 
 import yaml
-from glenoid.lcm_types import command_v1_t
+from bridge_bench import GROUP, six_drives, stream
 from glenoid.programs import program
-from glenoid.publisher import STATES, BridgeError, Publisher, now_ns
+from glenoid.publisher import STATES, BridgeError, Publisher
 
-ROOT = Path(__file__).parents[2]
-JOINTS = 6
 SETTLED_S = 60.0  #: memory is compared with what it was then
 PAGE_KB = 4
 GROWTH_KB = 4 * PAGE_KB  #: a few pages of a stack may still be touched
 
 
 def configuration(url, rate_hz):
-    """The example's six drives, with room for a Python source on a machine that does other work."""
-    config = yaml.safe_load((ROOT / "host/bridge/examples/six_drives.yaml").read_text())
-    device = config["exoskeletons"]["six_drives"]
-    device["buses"][0]["url"] = url
-    device["sync"]["period_ms"] = 1e3 / rate_hz
-    device["setpoints"] |= {
-        "period_ms": 1e3 / rate_hz,
-        "delay_ms": 50,
-        "hold_after_ms": 500,
-        "quick_stop_after_ms": 900,
-    }
-    device["setpoints"]["disarm_after_ms"] = 1500
+    device = six_drives(url, rate_hz)
     device["supervision"] = {"feedback_misses": 100, "transmit_skips": 100}
     device["heartbeat"] |= {"drive_waits_ms": 500, "drive_timeout_ms": 1000}
-    return config
+    return {"exoskeletons": {"soak": device}}
 
 
 def memory_kb(process):
@@ -72,24 +59,10 @@ def watch_machine(rate_hz, seconds, result):
     result.put({"wake_ups": woken, "half_a_period_late": late, "periods_slept_through": number - woken})
 
 
-def stream(source, rate_hz, seconds, watch):
-    """A slow swing of all joints at the rate; `watch` is called every ten seconds."""
-    begin, number = time.monotonic(), 0
-    while (t := number / rate_hz) < seconds:
-        source.publish(now_ns(), [0.2 * (1 - math.cos(t))] * JOINTS, [0.2 * math.sin(t)] * JOINTS)
-        source.poll()
-        number += 1
-        if number == int(0.2 * rate_hz):
-            source.request(command_v1_t.START)
-        if number % (10 * rate_hz) == 0:
-            watch(t)
-        time.sleep(max(0.0, begin + number / rate_hz - time.monotonic()))
-
-
 def soak(options, folder):
     """The figures of the run."""
     config, stats, report = folder / "soak.yaml", folder / "stats.json", folder / "drives.json"
-    url, lcm_url = f"udp:239.74.163.2:{options.port}", f"udpm://239.255.76.67:{options.port + 1}?ttl=0"
+    url, lcm_url = f"udp:{GROUP}:{options.port}", f"udpm://239.255.76.67:{options.port + 1}?ttl=0"
     config.write_text(yaml.safe_dump(configuration(url, options.rate_hz)))
     drives = subprocess.Popen(
         [program("glenoid-drives"), "--bus", url, "--profile", options.profile, "--report", report, "--realtime"]
