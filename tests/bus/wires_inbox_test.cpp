@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -167,15 +169,47 @@ TEST_F(InboxTest, NothingIsLostWhereFewWaited) {
 
 TEST_F(InboxTest, CommandsKeepTheirOrderAndNumber) {
   for (std::int64_t n = 0; n < 60; ++n) {
-    const auto bytes = bytes_of(command(static_cast<std::int32_t>(1 + n % 6), n));
+    const auto bytes = bytes_of(command(static_cast<std::int32_t>(1 + n % 3), n));
     EXPECT_EQ(inbox_->hear_command(bytes.data(), bytes.size()), Decoded::Ok);
   }
   const auto got = commands();
   ASSERT_EQ(got.size(), 60u);
   for (std::size_t n = 0; n < 60; ++n) {
     EXPECT_EQ(got[n].sequence, static_cast<std::int64_t>(n));
-    EXPECT_EQ(static_cast<int>(got[n].request), static_cast<int>(1 + n % 6));
+    EXPECT_EQ(static_cast<int>(got[n].request), static_cast<int>(1 + n % 3));
   }
+}
+
+TEST_F(InboxTest, AnEmergencyStopWaitsBehindNothing) {
+  std::array<Command, 16> into{};
+  const auto ask = [this](std::int32_t request) {
+    const auto bytes = bytes_of(command(request, 1));
+    EXPECT_EQ(inbox_->hear_command(bytes.data(), bytes.size()), Decoded::Ok);
+  };
+  for (int n = 0; n < 40; ++n) ask(command_v1_t::STOP);
+  for (int round = 0; round < 20; ++round) {  // the loop takes 16 at once and never catches up
+    const bool pressed = round == 10;
+    for (int n = 0; n < 15; ++n) ask(command_v1_t::STOP);
+    if (pressed) ask(command_v1_t::ESTOP);
+    const std::size_t count = inbox_->take_commands(into);
+    const std::span<const Command> got(into.data(), count);
+    const auto stops = std::count_if(got.begin(), got.end(),
+                                     [](const Command& c) { return c.request == Request::EStop; });
+    EXPECT_EQ(stops, pressed ? 1 : 0) << round;
+    if (pressed) {
+      EXPECT_EQ(got.front().request, Request::EStop);
+    }
+  }
+}
+
+TEST_F(InboxTest, AFloodOfRequestsIsAnEmergencyStopAtOnce) {
+  std::array<Command, 16> into{};
+  for (std::int64_t n = 0; n < 65; ++n) {
+    const auto bytes = bytes_of(command(command_v1_t::ARM, n));
+    inbox_->hear_command(bytes.data(), bytes.size());
+  }
+  ASSERT_EQ(inbox_->take_commands(into), into.size());
+  EXPECT_EQ(into.front().request, Request::EStop);
 }
 
 TEST_F(InboxTest, MoreCommandsThanFitEndInAnEmergencyStop) {
@@ -185,7 +219,7 @@ TEST_F(InboxTest, MoreCommandsThanFitEndInAnEmergencyStop) {
   }
   const auto got = commands();
   ASSERT_EQ(got.size(), 65u);
-  EXPECT_EQ(got.back().request, Request::EStop);
+  EXPECT_EQ(got.front().request, Request::EStop);
   EXPECT_TRUE(commands().empty());
 }
 

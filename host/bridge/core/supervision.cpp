@@ -155,11 +155,8 @@ void Bridge::Implementation::trip(Fault fault, const Subject& subject, double va
 }
 
 void Bridge::Implementation::estop(const char* source) noexcept {
-  if (stopped()) {
-    local_estop_ = true;  // for this step: no reset beside it
-    return;
-  }
-  trip(Fault::EStop, {}, 0, 0, source);
+  local_estop_ = true;  // for this step: no reset beside it
+  if (!stopped()) trip(Fault::EStop, {}, 0, 0, source);
 }
 
 }  // namespace glenoid::bridge

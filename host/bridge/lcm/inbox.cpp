@@ -33,7 +33,8 @@ Decoded Inbox::hear_command(const void* bytes, std::size_t size) noexcept {
   if (result != Decoded::Ok) return count(result);
   const std::optional<bridge::Command> command = to_core(message);
   if (!command) return count(Decoded::Value);
-  if (!commands_.push(*command)) too_many_commands_.store(true, std::memory_order_release);
+  if (command->request == bridge::Request::EStop || !commands_.push(*command))
+    estop_.store(true, std::memory_order_release);
   return count(result);
 }
 
@@ -48,11 +49,11 @@ std::size_t Inbox::take_setpoints(std::span<bridge::Setpoint, kNewest> into) noe
 
 std::size_t Inbox::take_commands(std::span<bridge::Command> into) noexcept {
   std::size_t count = 0;
-  while (count < into.size() && commands_.pop(into[count])) ++count;
-  if (count < into.size() && too_many_commands_.exchange(false, std::memory_order_acquire)) {
+  if (!into.empty() && estop_.exchange(false, std::memory_order_acquire)) {
     into[count] = {};
     into[count++].request = bridge::Request::EStop;
   }
+  while (count < into.size() && commands_.pop(into[count])) ++count;
   return count;
 }
 

@@ -29,7 +29,8 @@ class Inbox {
 
   /// Loop: setpoints that arrived since the last call, oldest first; of more than kNewest the newest.
   std::size_t take_setpoints(std::span<bridge::Setpoint, kNewest> into) noexcept;
-  /// Loop: requests since the last call, in order. Where more came than could wait, the last one is an emergency stop.
+  /// Loop: requests since the last call, in order, an emergency stop before all others: it waits behind nothing. Where more
+  /// requests came than could wait, that is one, too.
   std::size_t take_commands(std::span<bridge::Command> into) noexcept;
   /// Loop: setpoint messages since the last call that were none.
   std::int64_t take_undecodable() noexcept;
@@ -50,7 +51,7 @@ class Inbox {
   Mailbox<Window> mailbox_;
   std::uint64_t taken_ = 0;
   Ring<bridge::Command, 64> commands_;
-  std::atomic<bool> too_many_commands_ = false;
+  std::atomic<bool> estop_ = false;
   std::atomic<std::int64_t> undecodable_ = 0;
   std::array<std::atomic<std::uint64_t>, 4> heard_{};
 };
