@@ -112,6 +112,19 @@ TEST_F(Pipe, EnterPressesAndOneReleases) {
   EXPECT_TRUE(input.poll());
 }
 
+TEST_F(Pipe, PressThatIsOverBeforeAnybodyLooksCounts) {
+  EStopInput input(ends_[0]);
+  write("0\n1\n");
+  EXPECT_TRUE(input.poll());
+  EXPECT_FALSE(input.poll());
+  const std::string chatter(3000, '1');
+  write(("0" + chatter).c_str());
+  EXPECT_TRUE(input.poll());
+  write((chatter + "0").c_str());
+  EXPECT_TRUE(input.poll());
+  EXPECT_TRUE(input.poll());
+}
+
 TEST_F(Pipe, CutWirePressesForGood) {
   EStopInput input(ends_[0]);
   write("1");

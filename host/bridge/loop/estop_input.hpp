@@ -13,7 +13,7 @@ class EStopInput {
   /// @param descriptor  not owned; -1: none, never pressed
   explicit EStopInput(int descriptor) noexcept : descriptor_(descriptor) {}
 
-  /// Reads what is there without waiting. Returns whether it is pressed.
+  /// Reads what is there without waiting. Returns whether it is pressed, or was since the last call: a short press counts.
   bool poll() noexcept;
 
  private:
