@@ -27,11 +27,11 @@ BusState state_of(can::ControllerState state) noexcept {
 void BusMonitor::observe(const BusInput& input) noexcept {
   link_up_ = input.link == can::Link::Up;
   outstanding_ = input.outstanding;
-  const bool refused = input.counters.refused > refused_;
+  refuses_ = input.counters.refused > refused_;
   refused_ = input.counters.refused;
   const bool sent = input.counters.sent > sent_;
   sent_ = input.counters.sent;
-  if (outstanding_ > 0 || refused)
+  if (outstanding_ > 0 || refuses_)
     ++failures_;
   else if (sent)
     failures_ = 0;

@@ -26,6 +26,9 @@ class BusMonitor {
   [[nodiscard]] bool writable() const noexcept { return link_up_ && !off_; }
   /// This cycle may carry process data: writable, and nothing of the last cycle is still queued.
   [[nodiscard]] bool clear() const noexcept { return writable() && outstanding_ == 0; }
+  /// What was sent since the last step left in whole: the next command may go a step further. Otherwise a drive that missed
+  /// one would be told two steps at once.
+  [[nodiscard]] bool carries() const noexcept { return clear() && !refuses_; }
   [[nodiscard]] bool stalled() const noexcept { return failures_ >= transmit_skips_; }
   [[nodiscard]] bool off() const noexcept { return off_; }
   [[nodiscard]] bool link_up() const noexcept { return link_up_; }
@@ -48,7 +51,8 @@ class BusMonitor {
   bool purge_pending_ = false;  // to be handed out
   bool purge_asked_ = false;    // handed out, the answer is due
   bool purge_needed_ = false;
-  int failures_ = 0;  // steps in a row that began with frames unsent or refused
+  bool refuses_ = false;  // frames were not taken since the last step
+  int failures_ = 0;      // steps in a row that began with frames unsent or refused
   std::size_t outstanding_ = 0;
   std::uint64_t refused_ = 0;
   std::uint64_t sent_ = 0;

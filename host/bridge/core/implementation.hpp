@@ -97,6 +97,8 @@ class Bridge::Implementation {
   void become(State state) noexcept;
   void disarm() noexcept;
   [[nodiscard]] bool all_at_rest() const noexcept;
+  /// The drive of joint `j` gets each command, so its command may move; limits hold from one that was sent to the next.
+  [[nodiscard]] bool reaches(std::size_t j) const noexcept { return buses_[settings_.joints[j].bus].carries(); }
   [[nodiscard]] bool armed() const noexcept {
     return state_ == State::Ready || state_ == State::Run || state_ == State::Hold;
   }

@@ -159,9 +159,9 @@ void Bridge::Implementation::advance_arming() noexcept {
 }
 
 void Bridge::Implementation::hold_still() noexcept {
-  for (Joint& joint : joints_) {
-    joint.controlword = cia402::kEnableOperation;
-    joint.limiter.brake();
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    joints_[j].controlword = cia402::kEnableOperation;
+    if (reaches(j)) joints_[j].limiter.brake();
   }
 }
 
@@ -188,6 +188,8 @@ void Bridge::Implementation::follow(const Sample& sample) noexcept {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     Joint& joint = joints_[j];
     joint.controlword = cia402::kEnableOperation;
+    arrived = arrived && reaches(j);
+    if (!reaches(j)) continue;
     const std::uint8_t limited = joint.limiter.follow(sample.position_rad[j], sample.velocity_rad_per_s[j], blending_);
     arrived = arrived && std::abs(joint.limiter.position_rad() - sample.position_rad[j]) <= kArrived;
     if (limited == kWithinLimits || blending_) continue;

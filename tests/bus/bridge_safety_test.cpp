@@ -1,0 +1,84 @@
+// What somebody beside the patient would try: laws that hold whatever the buses, the drives and the messages do.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "bridge_motions.hpp"
+#include "host/bridge/core/codec.hpp"
+
+namespace glenoid::bridge::test {
+namespace {
+
+/// Most that the target of a drive changed from one SYNC at which it got one to the next, in rad.
+double largest_step_on_the_wire(const Rig& rig, std::size_t joint) {
+  const Scale scale(rig.settings.joints[joint]);
+  double largest = 0.0, last = NAN, next = NAN;
+  for (const Wire& entry : rig.wire) {
+    if (!entry.from_bridge || entry.bus != rig.settings.joints[joint].bus) continue;
+    if (entry.frame.id == 0x200U + rig.settings.joints[joint].node) {
+      if (const auto order = decode_rpdo1(entry.frame); order && order->controlword == 0x0F)
+        next = scale.position_rad(order->target_position);
+    } else if (entry.frame.id == 0x080 && !std::isnan(next)) {
+      if (!std::isnan(last)) largest = std::max(largest, std::abs(next - last));
+      last = next;
+    }
+  }
+  return largest;
+}
+
+enum class Trouble { Stalled, Refused };
+
+/// A bus that carries nothing for some cycles, again and again, but never long enough for a fault.
+class Hiccups : public ::testing::TestWithParam<Trouble> {};
+
+TEST_P(Hiccups, NeverLetAJointJumpFurtherThanItsLimit) {
+  Settings settings = six_drives(6, 2);
+  for (JointSettings& joint : settings.joints) joint.velocity_rad_per_s = 0.32;  // the swing takes 0.30
+  Rig rig(settings);
+  ASSERT_TRUE(rig.run(swing)) << rig.told();
+  for (int k = 0; k < 400; ++k) {
+    bool& trouble = GetParam() == Trouble::Stalled ? rig.buses[1].stalled : rig.buses[1].refuses;
+    trouble = k % 10 < settings.transmit_skips - 2;
+    rig.cycle();
+    ASSERT_EQ(rig.bridge.state(), State::Run) << rig.told();
+  }
+  const double period_s = 1e-9 * static_cast<double>(settings.period_ns);
+  for (std::size_t j = 0; j < settings.joints.size(); ++j) {
+    const double count_rad = std::abs(Scale(settings.joints[j]).position_rad(1) -
+                                      Scale(settings.joints[j]).position_rad(0));
+    EXPECT_LE(largest_step_on_the_wire(rig, j), settings.joints[j].velocity_rad_per_s * period_s + 1.01 * count_rad)
+        << settings.joints[j].name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Buses, Hiccups, ::testing::Values(Trouble::Stalled, Trouble::Refused),
+                         [](const auto& one) { return one.param == Trouble::Stalled ? "Stalled" : "Refused"; });
+
+TEST(BridgeSafety, EStopInAnyStateBeatsAResetOfTheSameCycle) {
+  for (const State state : {State::Idle, State::Ready, State::Run, State::Hold}) {
+    Rig rig(six_drives(2));
+    if (state == State::Idle) {
+      ASSERT_TRUE(rig.configure()) << rig.told();
+    } else if (state == State::Ready) {
+      ASSERT_TRUE(rig.arm()) << rig.told();
+    } else {
+      ASSERT_TRUE(rig.run(swing)) << rig.told();
+    }
+    if (state == State::Hold) {
+      rig.motion = nullptr;
+      ASSERT_TRUE(rig.run_until([&] { return rig.bridge.state() == State::Hold; }, 20 * kMs));
+    }
+    ASSERT_EQ(rig.bridge.state(), state);
+    rig.command(Request::EStop);
+    rig.command(Request::ResetFault);
+    rig.commands.push_back({rig.now_ns, 0, 0, Request::ResetFault});
+    rig.cycle();
+    EXPECT_EQ(rig.bridge.state(), State::Stop) << static_cast<int>(state);
+    EXPECT_EQ(rig.bridge.fault(), Fault::EStop) << static_cast<int>(state);
+  }
+}
+
+}  // namespace
+}  // namespace glenoid::bridge::test
