@@ -101,6 +101,15 @@ def test_fault_without_an_expectation_fails(scenario_of):
     assert outcomes(done)["reaction"] == "pass"
 
 
+def test_a_fault_that_is_borne_is_judged_to_the_end_of_the_motion(scenario_of):
+    """A drive that answers 2 ms late shows where the joint was then; the good rehearsal is some tenths of that off."""
+    done = perform(scenario_of("small_delays"), lambda _stage, _share: None)
+    way = 2e-3 * np.abs(done.motion.samples["exo_dq_rad_per_s"][:, 3]).max()
+    assert tracking_error(done)[0] > 0.5 * way
+    assert done.row.max() > done.motion.ends[-1]
+    assert verdict(judge_all(done)) == "PASS"
+
+
 def test_slow_reaction_fails(scenario_of):
     done = rehearse(
         scenario_of("fault_stream_stop", lambda data: data.update(checks={"reaction": {"limit": 20.0}})), None

@@ -73,7 +73,7 @@ class Evidence:
     """What the checks look at.
 
     Attributes:
-        until_ns: motion counts up to here: the first fault, else the end.
+        until_ns: motion counts up to here: the first fault where one is expected to end it, else the end.
         reference_rad, measured_rad: of the motion, at the feedback's instants within it; a column a joint.
         in_motion: those rows of the feedback.
         row: of the motion at each of them, fractional.
@@ -99,7 +99,7 @@ def gather(scenario: Scenario, motion: Motion, record: Record) -> Evidence:
     first = min(faults) if faults else None
     late_ns = config.delay_ns + config.period_ns
     end = record.origin_ns + round(1e9 * motion.rows * motion.period_s) + late_ns
-    until = end if first is None else min(first, end)
+    until = end if first is None or scenario.data.expect is None else min(first, end)
     row = 1e-9 * (times - late_ns - record.origin_ns) / motion.period_s
     inside = (row >= 0.0) & (row <= motion.rows - 1) & (times < until)
     at = row[inside]
