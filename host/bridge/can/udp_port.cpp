@@ -17,6 +17,7 @@
 
 #include "host/bridge/can/descriptor.hpp"
 #include "host/bridge/can/filter.hpp"
+#include "host/bridge/can/multicast.hpp"
 #include "host/bridge/can/queue.hpp"
 #include "host/bridge/can/socket_port.hpp"
 #include "host/bridge/can/udp_datagram.hpp"
@@ -53,8 +54,7 @@ Descriptor open_socket() {
 }
 
 void require(bool done, const char* what) {
-  constexpr const char* kHint = "multicast needs a route: ip link set lo up; ip route add 224.0.0.0/4 dev lo";
-  if (!done) throw std::runtime_error(failure(std::string("udp multicast, ") + what, errno, kHint));
+  if (!done) throw std::runtime_error(failure(std::string("udp multicast, ") + what, errno, kMulticastHint));
 }
 
 Descriptor open_receiver(const sockaddr_in& group, int buffer_bytes) {

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "host/bridge/can/descriptor.hpp"
+#include "host/bridge/can/multicast.hpp"
 #include "host/bridge/lcm/ring.hpp"
 
 namespace glenoid::lcm_port {
@@ -60,7 +61,7 @@ class LcmPort::Implementation {
   explicit Implementation(const LcmOptions& options)
       : device_(options.device), lcm_(checked_url(options.url, options.allow_network)) {
     if (!lcm_.good()) {
-      throw std::runtime_error("LCM " + options.url + ": cannot be opened; " + std::string(kRouteHint));
+      throw std::runtime_error("LCM " + options.url + ": cannot be opened; " + std::string(can::kMulticastHint));
     }
     hearing_ = std::thread([this, priority = options.hearing_priority] { hear(priority); });
     telling_ = std::thread([this] { tell(); });

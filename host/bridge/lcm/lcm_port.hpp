@@ -15,8 +15,6 @@
 namespace glenoid::lcm_port {
 
 inline constexpr std::string_view kDefaultUrl = "udpm://239.255.76.67:7667?ttl=0";
-inline constexpr std::string_view
-    kRouteHint = "multicast needs a route: ip link set lo up; ip route add 224.0.0.0/4 dev lo";
 inline constexpr const char* kSetpointChannel = "GLENOID_SETPOINT";
 inline constexpr const char* kFeedbackChannel = "GLENOID_FEEDBACK";
 inline constexpr const char* kStatusChannel = "GLENOID_STATUS";

@@ -1,10 +1,8 @@
 #include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 
 #include <stdexcept>
 
-#include "host/bridge/can/descriptor.hpp"
+#include "host/bridge/can/multicast.hpp"
 #include "host/bridge/lcm/lcm_port.hpp"
 
 namespace glenoid::lcm_port {
@@ -45,20 +43,11 @@ std::string checked_url(std::string_view url, bool allow_network) {
 std::string route_warning(std::string_view url) {
   if (!url.starts_with(kUdpm)) return {};
   const std::string group(url.substr(kUdpm.size(), url.find_first_of(":?", kUdpm.size()) - kUdpm.size()));
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(7667);
-  if (::inet_pton(AF_INET, group.c_str(), &address.sin_addr) != 1) return {};
-  const can::Descriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-  socklen_t size = sizeof address;
-  auto* generic = reinterpret_cast<sockaddr*>(&address);
-  if (::connect(socket.get(), generic, size) != 0 || ::getsockname(socket.get(), generic, &size) != 0) return {};
-  // lo lends a multicast of scope link no address of its own.
-  const std::uint32_t source = ntohl(address.sin_addr.s_addr);
-  if (source == 0 || source >> 24 == 127) return {};
+  in_addr address{};
+  if (::inet_pton(AF_INET, group.c_str(), &address) != 1 || can::stays_on_loopback(address)) return {};
   return "the route of " + group +
          " does not go to lo: messages could leave this machine when its interfaces change; "
-         "ip route add 224.0.0.0/4 dev lo";
+         "ip route add 224.0.0.0/4 dev lo, before programs that are to hear it start";
 }
 
 }  // namespace glenoid::lcm_port

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "host/bridge/can/multicast.hpp"
 #include "host/bridge/lcm/gate.hpp"
 
 namespace glenoid::lcm_port {
@@ -25,7 +26,7 @@ class Publisher::Implementation {
  public:
   Implementation(std::string_view url, bool allow_network) : lcm_(checked_url(url, allow_network)) {
     if (!lcm_.good())
-      throw std::runtime_error("LCM " + std::string(url) + ": cannot be opened; " + std::string(kRouteHint));
+      throw std::runtime_error("LCM " + std::string(url) + ": cannot be opened; " + std::string(can::kMulticastHint));
     lcm_.subscribeFunction(kStatusChannel, &on_status, this)->setQueueCapacity(kQueueCapacity);
     lcm_.subscribeFunction(kFeedbackChannel, &on_feedback, this)->setQueueCapacity(kQueueCapacity);
   }
