@@ -80,5 +80,48 @@ TEST(BridgeSafety, EStopInAnyStateBeatsAResetOfTheSameCycle) {
   }
 }
 
+can::Frame foreign(std::uint32_t id) {
+  can::Frame frame;
+  frame.id = id;
+  frame.size = id < 0x200 ? 0 : 6;
+  return frame;
+}
+
+/// What a second bridge, canplayer, or a process that left frames in a queue sends: identifiers of the predefined connection set.
+class ForeignOrders : public ::testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(ForeignOrders, StopAMotionAndForbidArming) {
+  Rig rig(six_drives(6, 2));
+  ASSERT_TRUE(rig.configure()) << rig.told();
+  rig.cycles(2);
+  rig.buses[1].to_bridge.push_back({foreign(GetParam()), rig.now_ns, false});
+  rig.command(Request::Arm);
+  rig.cycles(100);
+  EXPECT_EQ(rig.bridge.state(), State::Idle) << "armed beside another master";
+  EXPECT_TRUE(rig.has_event(static_cast<std::int32_t>(Notice::ForeignFrames)));
+  rig.run_for(1000 * kMs);
+  ASSERT_TRUE(rig.run(swing)) << "not armed after the other master had gone\n" << rig.told();
+  const std::int64_t since_ns = rig.now_ns;
+  rig.buses[1].to_bridge.push_back({foreign(GetParam()), rig.now_ns, false});
+  rig.cycle();
+  EXPECT_EQ(rig.bridge.fault(), Fault::ForeignMaster) << rig.told();
+  for (const FakeDrive& drive : rig.drives) EXPECT_EQ(rig.last_rpdo(drive.node).first, 0x02);
+  show_reaction("foreign master", rig, since_ns);
+}
+
+INSTANTIATE_TEST_SUITE_P(Identifiers, ForeignOrders, ::testing::Values(0x000, 0x080, 0x205, 0x306, 0x404, 0x506, 0x77F),
+                         [](const auto& one) { return "id" + std::to_string(one.param); });
+
+TEST(BridgeSafety, FramesOfOtherDevicesAndOwnEchoesAreNoForeignOrders) {
+  Rig rig(six_drives(6, 2));
+  ASSERT_TRUE(rig.run(swing)) << rig.told();
+  for (const std::uint32_t id : {0x081U, 0x185U, 0x201U, 0x20AU, 0x285U, 0x385U, 0x485U, 0x585U, 0x605U, 0x77EU, 0x7E5U})
+    rig.buses[1].to_bridge.push_back({foreign(id), rig.now_ns, false});  // node 1 is on the other bus
+  rig.buses[1].to_bridge.push_back({foreign(0x080), rig.now_ns, true});
+  rig.buses[1].to_bridge.push_back({foreign(0x205), rig.now_ns, true});
+  rig.cycles(3);
+  EXPECT_EQ(rig.bridge.state(), State::Run) << rig.told();
+}
+
 }  // namespace
 }  // namespace glenoid::bridge::test

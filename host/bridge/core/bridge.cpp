@@ -69,6 +69,7 @@ Bridge::Implementation::Implementation(const Settings& settings)
   command_rad_.fill(std::numeric_limits<double>::quiet_NaN());
   sent_rad_.fill(command_rad_);
   rejection_told_ns_.fill(-kTellAgainNs);
+  foreign_told_ns_.fill(-kTellAgainNs);
   link_told_.fill(true);
 }
 
@@ -147,6 +148,7 @@ void Bridge::Implementation::receive(const Inputs& inputs) noexcept {
 void Bridge::Implementation::dispatch(std::size_t bus, const can::Frame& frame) noexcept {
   buses_[bus].receive(frame);
   if (frame.error || frame.extended) return;
+  if (is_order(bus, frame)) foreign_[bus] = {now_ns_, frame.id};
   const std::uint32_t node = frame.id & 0x7FU;
   if (node == 0) return;
   for (std::size_t j = 0; j < nodes_.size(); ++j)

@@ -65,6 +65,9 @@ class Bridge::Implementation {
   // supervision.cpp: what must never go unnoticed
   void supervise(const Inputs& inputs) noexcept;
   void supervise_buses() noexcept;
+  void supervise_masters() noexcept;
+  [[nodiscard]] bool is_order(std::size_t bus, const can::Frame& frame) const noexcept;
+  [[nodiscard]] bool has_foreign_master(std::size_t bus) const noexcept;
   void supervise_node(std::size_t joint) noexcept;
   void supervise_answers() noexcept;
   void supervise_motion(std::size_t joint) noexcept;
@@ -149,6 +152,13 @@ class Bridge::Implementation {
   std::int64_t sync_session_ = 0;
   std::array<bool, kMaxBuses> sync_sent_{};
   std::array<bool, kMaxBuses> link_told_{};
+  /// Newest order of somebody else.
+  struct Foreign {
+    std::int64_t time_ns = -1;
+    std::uint32_t id = 0;
+  };
+  std::array<Foreign, kMaxBuses> foreign_{};
+  std::array<std::int64_t, kMaxBuses> foreign_told_ns_{};
   std::array<bool, kMaxBuses> stop_sent_{};  // since the stop: no SYNC may make an older command active before it
   std::int64_t heartbeat_ns_ = -1;
   std::size_t sdo_turn_ = 0;

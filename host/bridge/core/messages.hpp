@@ -65,6 +65,7 @@ enum class Fault : std::int32_t {
   StartUpFailed = 20,    ///< a drive refused its configuration or is not the configured one
   EnableTimeout = 21,    ///< the CiA 402 state walk did not finish in time
   CountOverflow = 22,    ///< a command does not fit 607Ah
+  ForeignMaster = 23,    ///< somebody else sends NMT, SYNC, RPDOs or the master's heartbeat
 };
 
 /// What else is worth an event. Events of a fault carry the Fault number, these start at 100.
@@ -93,6 +94,7 @@ enum class Notice : std::int32_t {
   EventsLost = 121,
   StateChanged = 122,
   DriveUnwatched = 123,  ///< it has no 1016h, and the configuration accepts that
+  ForeignFrames = 124,   ///< of another master, while nothing is armed
 };
 
 enum class Severity : std::int32_t { Info = 0, Warning = 1, Error = 2 };

@@ -43,6 +43,7 @@ const char* Bridge::Implementation::obstacle_to_arming() const noexcept {
   if (local_estop_) return "the local e-stop is pressed";
   for (const BusMonitor& bus : buses_) {
     if (!bus.writable()) return "a bus is down";
+    if (has_foreign_master(static_cast<std::size_t>(&bus - buses_.data()))) return "another master is on a bus";
     if (bus.purge_needed() || !bus.clear()) return "frames may still be queued and cannot be purged";
   }
   for (std::size_t j = 0; j < nodes_.size(); ++j) {

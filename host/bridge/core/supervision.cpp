@@ -4,9 +4,15 @@
 #include "host/bridge/core/canopen.hpp"
 #include "host/bridge/core/cia402.hpp"
 #include "host/bridge/core/implementation.hpp"
+#include "host/bridge/core/pdo_table.hpp"
 #include "host/bridge/core/words.hpp"
 
 namespace glenoid::bridge {
+namespace {
+
+constexpr std::int64_t kForeignNs = 1'000'000'000;  // without orders of somebody else, until he counts as gone
+
+}  // namespace
 
 void Bridge::Implementation::supervise(const Inputs& inputs) noexcept {
   if (inputs.local_estop) estop("local input");
@@ -15,6 +21,7 @@ void Bridge::Implementation::supervise(const Inputs& inputs) noexcept {
     trip(Fault::LoopStalled, {}, 1e-9 * static_cast<double>(gap_ns),
          1e-9 * static_cast<double>(settings_.quick_stop_after_ns), "seconds without a cycle");
   supervise_buses();
+  supervise_masters();
   for (std::size_t j = 0; j < nodes_.size(); ++j) supervise_node(j);
   if (!armed() && !arming_) return;
   supervise_answers();
@@ -42,6 +49,36 @@ void Bridge::Implementation::supervise_buses() noexcept {
     if (bus.stalled() && (armed() || arming_))
       trip(Fault::TransmitStalled, subject, static_cast<double>(bus.status().outstanding), settings_.transmit_skips,
            "frames still queued, cycles in a row");
+  }
+}
+
+/// What only a master sends: a second bridge, a played log, frames that an earlier process left in a queue.
+bool Bridge::Implementation::is_order(std::size_t bus, const can::Frame& frame) const noexcept {
+  if (frame.id == canopen::kNmtId || frame.id == canopen::kSyncId) return true;
+  if (frame.id == canopen::kHeartbeatId + settings_.master_id) return true;
+  const std::uint32_t function = frame.id & ~0x7FU;
+  if (function < kRpdo1.cob_id || function > kRpdo1.cob_id + 0x300 || (function & 0x80U) != 0)
+    return false;  // RPDO1..4
+  return std::any_of(settings_.joints.begin(), settings_.joints.end(),
+                     [&](const JointSettings& j) { return j.bus == bus && j.node == (frame.id & 0x7FU); });
+}
+
+bool Bridge::Implementation::has_foreign_master(std::size_t bus) const noexcept {
+  return foreign_[bus].time_ns >= 0 && now_ns_ - foreign_[bus].time_ns < kForeignNs;
+}
+
+void Bridge::Implementation::supervise_masters() noexcept {
+  for (std::size_t b = 0; b < buses_.size(); ++b) {
+    if (foreign_[b].time_ns != now_ns_) continue;
+    const Subject subject{static_cast<std::int32_t>(b), 0, -1};
+    if (armed() || arming_) {
+      trip(Fault::ForeignMaster, subject, foreign_[b].id, 0, "identifier");
+    } else if (now_ns_ - foreign_told_ns_[b] >= kForeignNs) {
+      foreign_told_ns_[b] = now_ns_;
+      reporter_.report(Severity::Warning, code(Notice::ForeignFrames), subject, foreign_[b].id, 0,
+                       "bus %zu: %03Xh of another master; no arming beside it", b,
+                       static_cast<unsigned>(foreign_[b].id));
+    }
   }
 }
 

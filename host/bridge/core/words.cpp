@@ -122,6 +122,8 @@ const char* words(Fault fault) noexcept {
       return "drives were not enabled in time";
     case Fault::CountOverflow:
       return "command does not fit the drive's counts";
+    case Fault::ForeignMaster:
+      return "another master commands the drives";
   }
   return "unknown fault";
 }

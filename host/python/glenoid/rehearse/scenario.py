@@ -63,6 +63,7 @@ FAULTS = (
     "StartUpFailed",
     "EnableTimeout",
     "CountOverflow",
+    "ForeignMaster",
 )
 FaultKind = Literal[
     "stream_stop",
