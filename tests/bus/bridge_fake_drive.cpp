@@ -81,6 +81,7 @@ void FakeDrive::control(std::uint16_t word) {
   controlword = word;
   const std::uint16_t state = statusword & 0x6F;
   std::uint16_t next = state;
+  if (keeps_power && state == 0x27) return;
   if ((statusword & 0x4F) == 0x08) {
     next = edge ? 0x40 : 0x08;
   } else if ((word & 0x02) == 0) {

@@ -43,6 +43,7 @@ class FakeDrive {
   bool follows = true;                               ///< bit 12
   bool stuck = false;                                ///< does not move
   bool refuses_enable = false;                       ///< stays in switched on
+  bool keeps_power = false;                          ///< stays in operation enabled
   std::map<std::uint32_t, std::uint32_t> aborts;     ///< SDO access to these is aborted with a code
   std::map<std::uint32_t, std::uint32_t> read_back;  ///< reads give this instead
 

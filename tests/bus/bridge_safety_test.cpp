@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "bridge_motions.hpp"
+#include "host/bridge/can/error_frame.hpp"
 #include "host/bridge/core/codec.hpp"
 
 namespace glenoid::bridge::test {
@@ -121,6 +123,70 @@ TEST(BridgeSafety, FramesOfOtherDevicesAndOwnEchoesAreNoForeignOrders) {
   rig.buses[1].to_bridge.push_back({foreign(0x205), rig.now_ns, true});
   rig.cycles(3);
   EXPECT_EQ(rig.bridge.state(), State::Run) << rig.told();
+}
+
+TEST(BridgeSafety, DriveThatKeepsItsPowerAfterDisarmingIsAFault) {
+  Rig rig(six_drives(2));
+  ASSERT_TRUE(rig.arm()) << rig.told();
+  rig.drives[1].keeps_power = true;
+  rig.command(Request::Disarm);
+  rig.run_for(rig.settings.state_timeout_ns / 2);
+  EXPECT_EQ(rig.bridge.state(), State::Idle);
+  rig.command(Request::Arm);
+  rig.cycle();
+  EXPECT_EQ(rig.bridge.session(), 0) << "armed while a drive does not obey";
+  rig.run_for(rig.settings.state_timeout_ns);
+  EXPECT_EQ(rig.bridge.state(), State::Fault) << rig.told();
+  EXPECT_EQ(rig.bridge.fault(), Fault::DriveKeepsPower);
+  EXPECT_EQ(rig.last_rpdo(2).first, 0x00);
+  rig.command(Request::ResetFault);
+  rig.cycles(3);
+  rig.command(Request::Arm);
+  rig.run_for(100 * kMs);
+  EXPECT_EQ(rig.bridge.state(), State::Idle) << rig.told();
+  EXPECT_EQ(rig.bridge.session(), 0);
+}
+
+TEST(BridgeSafety, DriveThatKeepsItsPowerAfterAnEStopIsToldOnce) {
+  Rig rig(six_drives(2));
+  ASSERT_TRUE(rig.arm()) << rig.told();
+  rig.drives[1].keeps_power = true;
+  rig.local_estop = true;
+  rig.run_for(5000 * kMs);
+  EXPECT_EQ(rig.bridge.fault(), Fault::EStop);
+  const auto told = std::count_if(rig.events.begin(), rig.events.end(), [](const Event& e) {
+    return e.code == static_cast<std::int32_t>(Fault::DriveKeepsPower);
+  });
+  EXPECT_EQ(told, 1) << rig.told();
+}
+
+TEST(BridgeSafety, BusOffBesideAnotherFaultIsToldOnce) {
+  Rig rig(six_drives(6, 2));
+  ASSERT_TRUE(rig.run(swing)) << rig.told();
+  rig.local_estop = true;
+  rig.cycle();
+  for (const std::size_t bus : {0U, 1U}) rig.error_frame(bus, can::make_error(can::ControllerState::Off, 248, 0));
+  rig.run_for(100 * kMs);
+  const auto told = std::count_if(rig.events.begin(), rig.events.end(),
+                                  [](const Event& e) { return e.code == static_cast<std::int32_t>(Fault::BusOff); });
+  EXPECT_EQ(told, 2) << rig.told();  // once a bus
+}
+
+/// An echo that was lost, or frames that wait while nothing is armed: the reset clears the way as a stop would.
+TEST(BridgeSafety, ResetPurgesWhatWaitsWhileIdle) {
+  Rig rig(six_drives(2));
+  ASSERT_TRUE(rig.configure()) << rig.told();
+  rig.buses[0].stalled = true;
+  rig.cycles(3);
+  rig.command(Request::Arm);
+  rig.cycles(3);
+  ASSERT_EQ(rig.bridge.state(), State::Idle);
+  ASSERT_FALSE(rig.buses[0].queue.empty());
+  rig.command(Request::ResetFault);
+  rig.cycle();
+  EXPECT_EQ(rig.buses[0].purges, 1);
+  rig.buses[0].stalled = false;
+  EXPECT_TRUE(rig.arm()) << rig.told();
 }
 
 }  // namespace

@@ -48,6 +48,8 @@ class Bridge::Implementation {
     double following_rad = 0.0;
     std::int64_t following_since_ns = -1;
     std::int64_t reset_since_ns = -1;  ///< a fault reset is under way
+    std::int64_t power_since_ns = -1;  ///< it has power that it should not have
+    bool power_told = false;
     std::uint8_t limited_told = 0;
     std::int64_t limited = 0;
   };
@@ -69,6 +71,7 @@ class Bridge::Implementation {
   [[nodiscard]] bool is_order(std::size_t bus, const can::Frame& frame) const noexcept;
   [[nodiscard]] bool has_foreign_master(std::size_t bus) const noexcept;
   void supervise_node(std::size_t joint) noexcept;
+  void supervise_power(std::size_t joint) noexcept;
   void supervise_answers() noexcept;
   void supervise_motion(std::size_t joint) noexcept;
   void lose(std::size_t joint, Fault fault, double value, double limit, const char* what) noexcept;
@@ -152,6 +155,7 @@ class Bridge::Implementation {
   std::int64_t sync_session_ = 0;
   std::array<bool, kMaxBuses> sync_sent_{};
   std::array<bool, kMaxBuses> link_told_{};
+  std::array<bool, kMaxBuses> off_told_{};
   /// Newest order of somebody else.
   struct Foreign {
     std::int64_t time_ns = -1;

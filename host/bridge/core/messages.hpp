@@ -66,6 +66,7 @@ enum class Fault : std::int32_t {
   EnableTimeout = 21,    ///< the CiA 402 state walk did not finish in time
   CountOverflow = 22,    ///< a command does not fit 607Ah
   ForeignMaster = 23,    ///< somebody else sends NMT, SYNC, RPDOs or the master's heartbeat
+  DriveKeepsPower = 24,  ///< still enabled or in quick stop when it was told to be without power
 };
 
 /// What else is worth an event. Events of a fault carry the Fault number, these start at 100.

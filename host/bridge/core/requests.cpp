@@ -52,6 +52,7 @@ const char* Bridge::Implementation::obstacle_to_arming() const noexcept {
       return "not every drive answers SYNC";
     if (nodes_[j].state() == DriveState::Fault || nodes_[j].state() == DriveState::FaultReaction)
       return "a drive is in fault, reset it first";
+    if (joints_[j].power_since_ns >= 0) return "a drive still has power";
     const JointSettings& joint = settings_.joints[j];
     const double q = joints_[j].measured_rad;
     if (q < joint.lower_rad - joint.measured_margin_rad || q > joint.upper_rad + joint.measured_margin_rad)
@@ -93,7 +94,10 @@ void Bridge::Implementation::request_reset() noexcept {
   if (powered_stop_) return refuse(Request::ResetFault, "still stopping");
   for (BusMonitor& bus : buses_) {
     if (!bus.link_up()) return refuse(Request::ResetFault, "a link is down");
-    if (bus.off()) bus.restart();
+    if (bus.off())
+      bus.restart();
+    else
+      bus.request_purge();
   }
   for (std::size_t j = 0; j < nodes_.size(); ++j) {
     const bool failed = nodes_[j].phase() == Node::Phase::Failed;

@@ -10,6 +10,10 @@
 namespace glenoid::bridge {
 namespace {
 
+bool has_power(DriveState state) noexcept {
+  return state == DriveState::OperationEnabled || state == DriveState::QuickStopActive;
+}
+
 constexpr std::int64_t kForeignNs = 1'000'000'000;  // without orders of somebody else, until he counts as gone
 
 }  // namespace
@@ -23,6 +27,7 @@ void Bridge::Implementation::supervise(const Inputs& inputs) noexcept {
   supervise_buses();
   supervise_masters();
   for (std::size_t j = 0; j < nodes_.size(); ++j) supervise_node(j);
+  for (std::size_t j = 0; j < nodes_.size(); ++j) supervise_power(j);
   if (!armed() && !arming_) return;
   supervise_answers();
   for (std::size_t j = 0; j < nodes_.size(); ++j) supervise_motion(j);
@@ -45,7 +50,8 @@ void Bridge::Implementation::supervise_buses() noexcept {
       }
       if (!bus.link_up() && (armed() || arming_)) trip(Fault::LinkDown, subject, 0, 0, "no link");
     }
-    if (bus.off() && fault_ != Fault::BusOff) trip(Fault::BusOff, subject, 0, 0, "controller reports bus-off");
+    if (bus.off() && !off_told_[b]) trip(Fault::BusOff, subject, 0, 0, "controller reports bus-off");
+    off_told_[b] = bus.off();
     if (bus.stalled() && (armed() || arming_))
       trip(Fault::TransmitStalled, subject, static_cast<double>(bus.status().outstanding), settings_.transmit_skips,
            "frames still queued, cycles in a row");
@@ -114,6 +120,22 @@ void Bridge::Implementation::lose(std::size_t j, Fault fault, double value, doub
   }
   joints_[j].lost = true;
   trip(fault, nodes_[j].subject(), value, limit, what);
+}
+
+/// A drive that was told to be without power and still has it can only be stopped by hand: that must be said.
+void Bridge::Implementation::supervise_power(std::size_t j) noexcept {
+  Joint& joint = joints_[j];
+  const bool expected = armed() || arming_ || powered_stop_;
+  if (expected || !nodes_[j].operational() || !has_power(nodes_[j].state())) {
+    joint.power_since_ns = -1;
+    joint.power_told = false;
+  } else if (joint.power_since_ns < 0) {
+    joint.power_since_ns = now_ns_;
+  } else if (!joint.power_told && now_ns_ - joint.power_since_ns > settings_.state_timeout_ns) {
+    joint.power_told = true;
+    trip(Fault::DriveKeepsPower, nodes_[j].subject(), 1e-9 * static_cast<double>(now_ns_ - joint.power_since_ns),
+         1e-9 * static_cast<double>(settings_.state_timeout_ns), cia402::words(nodes_[j].state()).data());
+  }
 }
 
 void Bridge::Implementation::supervise_answers() noexcept {

@@ -124,6 +124,8 @@ const char* words(Fault fault) noexcept {
       return "command does not fit the drive's counts";
     case Fault::ForeignMaster:
       return "another master commands the drives";
+    case Fault::DriveKeepsPower:
+      return "drive keeps its power";
   }
   return "unknown fault";
 }

@@ -64,6 +64,7 @@ FAULTS = (
     "EnableTimeout",
     "CountOverflow",
     "ForeignMaster",
+    "DriveKeepsPower",
 )
 FaultKind = Literal[
     "stream_stop",
