@@ -123,6 +123,25 @@ TEST(BridgeClock, DriftAndJitterDoNotShow) {
   }
 }
 
+/// Stamps and arrivals of a source that lies: the clock it makes us believe in keeps the pace of a clock.
+TEST(BridgeClock, NoSourceMakesItRunFastOrSlow) {
+  Random random(57);
+  for (int k = test_count(20); k > 0; --k) {
+    ProducerClock clock(TimeBase::Estimated);
+    std::int64_t stamp = 0, arrival = 0;
+    const double late = random.uniform(-1.0, 1.0);
+    for (int i = 0; i < 20000; ++i) {
+      stamp += 1 + static_cast<std::int64_t>(random.uniform(0.0, 1e5));
+      arrival = clock.local(stamp) + static_cast<std::int64_t>(late * 90e6);
+      clock.observe(stamp, arrival);
+    }
+    // Over a second without setpoints: the drift of at most 1e-3 alone counts, over it and over the 0.2 s by which 20,000
+    // steps of at most 10 us moved the offset; and second order of it.
+    const double passed = static_cast<double>(clock.stamp(clock.local(stamp) + 1000 * kMs) - stamp);
+    EXPECT_NEAR(passed, 1e9, 1e-3 * 1.2e9 + 1e-6 * 2e9);
+  }
+}
+
 struct Followed {
   CommandLimiter limiter;
   JointLimits limits;

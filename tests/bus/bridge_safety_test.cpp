@@ -9,9 +9,14 @@
 #include "bridge_motions.hpp"
 #include "host/bridge/can/error_frame.hpp"
 #include "host/bridge/core/codec.hpp"
+#include "support/environment.hpp"
+#include "support/random.hpp"
 
 namespace glenoid::bridge::test {
 namespace {
+
+using glenoid::test::Random;
+using glenoid::test::test_count;
 
 /// Most that the target of a drive changed from one SYNC at which it got one to the next, in rad.
 double largest_step_on_the_wire(const Rig& rig, std::size_t joint) {
@@ -28,6 +33,11 @@ double largest_step_on_the_wire(const Rig& rig, std::size_t joint) {
     }
   }
   return largest;
+}
+
+double count_rad(const Rig& rig, std::size_t joint) {
+  const Scale scale(rig.settings.joints[joint]);
+  return std::abs(scale.position_rad(1) - scale.position_rad(0));
 }
 
 enum class Trouble { Stalled, Refused };
@@ -47,12 +57,9 @@ TEST_P(Hiccups, NeverLetAJointJumpFurtherThanItsLimit) {
     ASSERT_EQ(rig.bridge.state(), State::Run) << rig.told();
   }
   const double period_s = 1e-9 * static_cast<double>(settings.period_ns);
-  for (std::size_t j = 0; j < settings.joints.size(); ++j) {
-    const double count_rad = std::abs(Scale(settings.joints[j]).position_rad(1) -
-                                      Scale(settings.joints[j]).position_rad(0));
-    EXPECT_LE(largest_step_on_the_wire(rig, j), settings.joints[j].velocity_rad_per_s * period_s + 1.01 * count_rad)
-        << settings.joints[j].name;
-  }
+  for (std::size_t j = 0; j < settings.joints.size(); ++j)
+    EXPECT_LE(largest_step_on_the_wire(rig, j),
+              settings.joints[j].velocity_rad_per_s * period_s + 1.01 * count_rad(rig, j));
 }
 
 INSTANTIATE_TEST_SUITE_P(Buses, Hiccups, ::testing::Values(Trouble::Stalled, Trouble::Refused),
@@ -187,6 +194,70 @@ TEST(BridgeSafety, ResetPurgesWhatWaitsWhileIdle) {
   EXPECT_EQ(rig.buses[0].purges, 1);
   rig.buses[0].stalled = false;
   EXPECT_TRUE(rig.arm()) << rig.told();
+}
+
+/// A source that has the token and sends whatever can be encoded: stamps close together, far apart, early and late, numbers that
+/// jump, finite values of any size.
+class HostileSource : public ::testing::TestWithParam<TimeBase> {};
+
+TEST_P(HostileSource, NeverMovesAJointFasterThanItsLimits) {
+  Random random(55);
+  for (int k = test_count(20); k > 0; --k) {
+    Settings settings = six_drives(2);
+    settings.time_base = GetParam();
+    Rig rig(settings);
+    ASSERT_TRUE(rig.run(swing)) << rig.told();
+    rig.wire.clear();
+    std::int64_t stamp_ns = rig.now_ns;
+    for (int n = 0; n < 2000 && rig.bridge.state() == State::Run; ++n) {
+      for (int m = static_cast<int>(random.uniform(0.0, 4.0)); m > 0; --m) {
+        Setpoint hostile = rig.setpoint_now();
+        const auto pick = static_cast<int>(random.uniform(0.0, 4.0));
+        stamp_ns = pick == 0   ? stamp_ns + 1
+                   : pick == 1 ? rig.now_ns + static_cast<std::int64_t>(random.uniform(-60e6, 110e6))
+                               : rig.now_ns;
+        hostile.time_ns = stamp_ns;
+        for (std::size_t j = 0; j < settings.joints.size(); ++j) {
+          if (random.uniform(0.0, 1.0) < 0.5)
+            hostile.position_rad[j] = rig.bridge.command_rad()[j] + random.uniform(-0.06, 0.06);
+          if (random.uniform(0.0, 1.0) < 0.5)
+            hostile.velocity_rad_per_s[j] = std::copysign(random.log_uniform(1e-3, 1.7e308), random.uniform(-1.0, 1.0));
+        }
+        rig.setpoints.push_back(hostile);
+      }
+      rig.cycle();
+      ASSERT_TRUE(std::isfinite(rig.bridge.command_rad()[0]));
+    }
+    EXPECT_NE(rig.bridge.fault(), Fault::CountOverflow) << rig.told();
+    const double period_s = 1e-9 * static_cast<double>(settings.period_ns);
+    for (std::size_t j = 0; j < settings.joints.size(); ++j)
+      ASSERT_LE(largest_step_on_the_wire(rig, j),
+                settings.joints[j].velocity_rad_per_s * period_s + 1.01 * count_rad(rig, j));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(TimeBases, HostileSource, ::testing::Values(TimeBase::Stamp, TimeBase::Estimated),
+                         [](const auto& one) { return one.param == TimeBase::Stamp ? "Stamp" : "Estimated"; });
+
+/// Between two setpoints with a long pause the cubic would leave the range of a double: it is a rejection, not a fault.
+TEST(BridgeSafety, VelocitiesThatNoJointHasAreRejected) {
+  Rig rig(six_drives(2));
+  ASSERT_TRUE(rig.arm()) << rig.told();
+  rig.motion = [](double) {
+    Sample sample;
+    sample.position_rad.fill(0.3);
+    sample.velocity_rad_per_s.fill(1.7e308);
+    return sample;
+  };
+  rig.cycles(2);
+  rig.motion = nullptr;
+  rig.run_for(10'000 * kMs);
+  rig.motion = swing;
+  rig.command(Request::Start);
+  rig.run_for(200 * kMs);
+  EXPECT_EQ(rig.bridge.fault(), Fault::None) << rig.told();
+  EXPECT_TRUE(std::any_of(rig.statuses.begin(), rig.statuses.end(),
+                          [](const Status& s) { return s.last_rejection == Rejection::Velocity; }));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@ namespace glenoid::bridge {
 namespace {
 
 constexpr std::int64_t kLatestStamp = std::int64_t{1} << 61;  // ns, 73 years
+constexpr double kFastest = 1000.0;  // rad/s, ten times the highest limit: what is read between setpoints stays finite
 
 }  // namespace
 
@@ -31,11 +32,15 @@ Rejection Gate::form(const Setpoint& setpoint) noexcept {
   if (setpoint.count != count) return Rejection::Count;
   if (setpoint.valid_mask != static_cast<std::int32_t>((1U << joints_.size()) - 1U)) return Rejection::Mask;
   // A stamp may be anything: differences of those that pass do not overflow.
-  if (setpoint.time_ns < 0 || setpoint.time_ns > kLatestStamp || setpoint.sequence < 0) return Rejection::Future;
-  for (std::size_t j = 0; j < joints_.size(); ++j)
-    for (const double value :
-         {setpoint.position_rad[j], setpoint.velocity_rad_per_s[j], setpoint.effort_feedforward_Nm[j]})
+  if (setpoint.time_ns > kLatestStamp) return Rejection::Future;
+  if (setpoint.time_ns < 0) return Rejection::Age;
+  if (setpoint.sequence < 0) return Rejection::Sequence;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const double v = setpoint.velocity_rad_per_s[j];
+    for (const double value : {setpoint.position_rad[j], v, setpoint.effort_feedforward_Nm[j]})
       if (!std::isfinite(value)) return refuse(Rejection::NotFinite, j, value, 0.0);
+    if (std::abs(v) > kFastest) return refuse(Rejection::Velocity, j, v, kFastest);
+  }
   return Rejection::None;
 }
 

@@ -30,7 +30,7 @@ class ProducerClock {
       const double bounded = std::clamp(error_ns, -kLargestError, kLargestError);
       const double elapsed = static_cast<double>(stamp_ns - reference_ns_);
       fine_ns_ += drift_ * elapsed + kProportional * bounded;
-      drift_ += kIntegral * bounded / std::max(elapsed, 1e5);
+      drift_ = std::clamp(drift_ + kIntegral * bounded / std::max(elapsed, 1e5), -kLargestDrift, kLargestDrift);
     }
     reference_ns_ = stamp_ns;
   }
@@ -50,9 +50,10 @@ class ProducerClock {
 
  private:
   static constexpr double kProportional = 0.005;
-  static constexpr double kIntegral = 6e-6;     // critically damped: kProportional^2 / 4
-  static constexpr double kLargestError = 2e6;  // ns: later arrivals are queueing, not clock
-  static constexpr double kRestart = 100e6;     // ns: another clock
+  static constexpr double kIntegral = 6e-6;      // critically damped: kProportional^2 / 4
+  static constexpr double kLargestError = 2e6;   // ns: later arrivals are queueing, not clock
+  static constexpr double kLargestDrift = 1e-3;  // ten times a bad quartz: a source cannot wind it up
+  static constexpr double kRestart = 100e6;      // ns: another clock
 
   [[nodiscard]] double elapsed(std::int64_t stamp_ns) const noexcept {
     return static_cast<double>(stamp_ns - reference_ns_);
