@@ -151,7 +151,7 @@ bool loop_posture(const ArmModel& arm, const Vec3& wrist, const SelfMotionLoop& 
     const double slope = 2.0 * r.v.dot(r.dv_du * (c * ray - s * loop.centre));
     double next = slope > 0.0 ? beta - g / slope : -1.0;
     // Newton's error after this step is the square of it: one more evaluation at the accepted angle, then done
-    found = std::abs(next - beta) < 1e-9 * beta || high - low < 1e-15;
+    found = std::abs(next - beta) < 1e-7 * beta || high - low < 1e-15;
     if (!found && !(next > low && next < high)) next = 0.5 * (low + high);
     beta = next;
   }
