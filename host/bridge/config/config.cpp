@@ -11,6 +11,7 @@
 #include "host/bridge/can/bus_load.hpp"
 #include "host/bridge/core/codec.hpp"
 #include "host/bridge/core/pdo_table.hpp"
+#include "host/bridge/core/resampler.hpp"
 #include "host/bridge/core/startup.hpp"
 
 namespace glenoid::bridge {
@@ -20,6 +21,8 @@ using Range = YamlReader::Range;
 constexpr double kMost = std::numeric_limits<double>::max();
 constexpr Range kPositive{0.0, kMost, true};
 constexpr double kAngle = 100.0;  // rad: sixteen turns either way; more is a mistake in the unit
+
+constexpr double kCoarse = 0.02;  // rad of a count: no drive is that coarse; a ratio turned upside down is
 
 double ms(std::int64_t ns) { return 1e-6 * static_cast<double>(ns); }
 
@@ -44,6 +47,12 @@ void read_timing(YamlReader& exo, Config& config) {
   if (s.hold_after_ns < s.setpoint_period_ns) set.fail("hold_after_ms", "must not be below setpoints.period_ms");
   if (s.quick_stop_after_ns <= s.hold_after_ns) set.fail("quick_stop_after_ms", "must be above hold_after_ms");
   if (s.disarm_after_ns < s.quick_stop_after_ns) set.fail("disarm_after_ms", "must not be below quick_stop_after_ms");
+  constexpr std::int64_t kKept = Resampler::kCapacity - 2;
+  if ((s.delay_ns + s.max_lead_ns) / s.setpoint_period_ns > kKept)
+    set.fail("delay_ms", "with max_lead_ms it spans more than " + std::to_string(kKept) + " setpoints of period_ms");
+  if (s.hold_after_ns < 2 * s.setpoint_period_ns)
+    config.warnings.push_back(
+        "setpoints.hold_after_ms is below two setpoint periods: one late setpoint holds the motion");
   if (s.delay_ns < s.setpoint_period_ns)
     config.warnings.push_back("setpoints.delay_ms is below the setpoint period: late setpoints are extrapolated");
   set.finish();
@@ -98,6 +107,8 @@ void read_gear(YamlReader joint, JointSettings& own) {
   own.offset_rad = joint.number("offset_rad", {-kAngle, kAngle}, 0.0);
   own.encoder_counts_per_turn = joint.number("encoder_counts_per_turn", {1.0, 4294967296.0});
   own.rated_torque_Nm = joint.number("rated_torque_Nm", {0.0, 10000.0}, 0.0);
+  if (const double count_rad = Scale(own).position_rad(1) - Scale(own).position_rad(0); std::abs(count_rad) > kCoarse)
+    joint.fail("ratio", "one encoder count is more than 0.02 rad at the joint");
   joint.finish();
 }
 

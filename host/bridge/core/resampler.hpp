@@ -21,6 +21,8 @@ struct Sample {
 /// Beyond the newest setpoint it goes on at the newest velocity for at most `horizon_ns`, then stays.
 class Resampler {
  public:
+  /// Setpoints kept: those between the instant that is read and the newest must be among them.
+  static constexpr std::size_t kCapacity = 256;
   enum class Result : std::uint8_t { Empty, TooEarly, Interpolated, Extrapolated };
 
   Resampler(std::size_t joints, std::int64_t horizon_ns) noexcept : joints_(joints), horizon_ns_(horizon_ns) {}
@@ -32,7 +34,6 @@ class Resampler {
   [[nodiscard]] Result sample(std::int64_t stamp_ns, Sample& sample) const noexcept;
 
  private:
-  static constexpr std::size_t kCapacity = 64;
   struct Point {
     std::int64_t time_ns = 0;
     Sample value;
