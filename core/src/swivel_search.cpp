@@ -153,9 +153,9 @@ bool SwivelSearch::sample_energy(const ArmModel& arm, const Posture& start, cons
     s.momentum = solver.end_momentum();
   }
   const bool refined = beside != nullptr && beside->psi == s.psi;  // the same posture, solved before
-  const bool wide = std::max(s.rotation, beside != nullptr ? beside->rotation : 0.0) > kWideTurn || c.long_way;
+  const bool wide = std::max(s.rotation, beside != nullptr ? beside->rotation : 0.0) > kWideTurn;
   const bool dear = ok && s.path.energy > kDear * least_;
-  if (!ok || (wide && !refined && !dear)) ok = try_cold(arm, start, options, ok, s);
+  if (!ok || (!refined && (c.long_way || (wide && !dear)))) ok = try_cold(arm, start, options, ok, s);
   if (!ok) return false;
   s.energy = s.path.energy;
   least_ = std::min(least_, s.energy);
