@@ -54,7 +54,10 @@ void Drive::Parts::enter(Nmt state) noexcept {
 
 void Drive::Parts::reset_communication() noexcept {
   connection_lost(0);
+  const std::int64_t errors = motion.power().faulty() ? objects.get(row_of(0x1001)) : 0;
   objects.reset(true);
+  objects.set(row_of(0x1001), errors);  // a fault is not over because the bus begins anew
+  warned = false;
   sdo.reset();
   emergency.reset();
   consumers = {};
@@ -145,6 +148,7 @@ void Drive::Parts::on_sdo(const can::Frame& frame, Outbox& out) noexcept {
 }
 
 void Drive::Parts::on_heartbeat(const can::Frame& frame) noexcept {
+  if (frame.size != 1) return;
   const std::uint32_t producer = frame.id - 0x700U;
   for (std::size_t k = 0; k < consumers.size(); ++k) {
     const std::int64_t entry = objects.get(row_of(0x1016, 1) + k);
@@ -206,8 +210,7 @@ void Drive::Parts::report(std::uint16_t code) noexcept {
 
 /// What was only reported is over when the bus works again.
 void Drive::Parts::good_news() noexcept {
-  const PowerState state = motion.power().state();
-  if (!warned || state == PowerState::Fault || state == PowerState::FaultReaction) return;
+  if (!warned || motion.power().faulty()) return;
   warned = false;
   emergency.clear(objects);
 }

@@ -8,6 +8,8 @@
 namespace glenoid::drives {
 namespace {
 
+constexpr std::uint16_t kErrorField = 0x1003, kFaultInjection = 0x2F00;  // what happens, not how it is set
+
 constexpr bool table_is_sorted() {
   for (std::size_t k = 1; k < kObjects; ++k) {
     const Object &a = kObjectTable[k - 1], &b = kObjectTable[k];
@@ -44,22 +46,31 @@ Dictionary::Dictionary(const Profile& profile, std::uint8_t node) {
   for (const ObjectDefault& object : profile.objects) {
     const std::size_t k = find_row(object.address.index, object.address.sub);
     if (k == kObjects) throw std::invalid_argument(profile.name + ": no object " + describe(object.address));
-    const Type type = kObjectTable[k].type;
-    if (object.value < lowest(type) || object.value > highest(type)) {
-      throw std::invalid_argument(profile.name + ": " + describe(object.address) + " = " +
-                                  std::to_string(object.value) + ": outside the object's type");
+    const Range range = range_of(k);
+    if (object.value < range.low || object.value > range.high) {
+      throw std::invalid_argument(profile.name + ": " + describe(object.address) + " = " + std::to_string(object.value) +
+                                  ": must be " + std::to_string(range.low) + " to " + std::to_string(range.high));
     }
     defaults_[k] = object.value;
   }
   set_text(row_of(0x1008), profile.device_name);
   set_text(row_of(0x1009), profile.name);
   set_text(row_of(0x100A), "CiA 301 and CiA 402, csp");
+  forget_stored();
   reset(false);
+}
+
+void Dictionary::store() noexcept {
+  for (std::size_t k = 0; k < kObjects; ++k) {
+    const Object& row = kObjectTable[k];
+    const bool parameter = row.access == Access::Rw && row.mappable == Mappable::No;
+    if (parameter && row.index != kErrorField && row.index != kFaultInjection) power_up_[k] = values_[k];
+  }
 }
 
 void Dictionary::reset(bool communication_only) noexcept {
   for (std::size_t k = 0; k < kObjects; ++k) {
-    if (!communication_only || kObjectTable[k].index < 0x2000) values_[k] = defaults_[k];
+    if (!communication_only || kObjectTable[k].index < 0x2000) values_[k] = power_up_[k];
   }
 }
 

@@ -21,12 +21,15 @@ enum class Abort : std::uint32_t {
   NoObject = 0x06020000,
   NotMappable = 0x06040041,
   PdoTooLong = 0x06040042,
+  Incompatible = 0x06040043,
   LengthMismatch = 0x06070010,
   TooLong = 0x06070012,
   TooShort = 0x06070013,
   NoSubIndex = 0x06090011,
   ValueRange = 0x06090030,
+  NotStored = 0x08000020,  ///< the signature is wrong
   DeviceState = 0x08000022,
+  NoData = 0x08000024,
 };
 
 inline constexpr std::size_t kTextLength = 40;
@@ -46,8 +49,13 @@ class Dictionary {
   /// @throws std::invalid_argument if the profile names an object that the table lacks or a value its type cannot hold.
   Dictionary(const Profile& profile, std::uint8_t node);
 
-  /// Back to the defaults: the communication profile area alone (1000h to 1FFFh), or all.
+  /// Back to the values of power-up: the communication profile area alone (1000h to 1FFFh), or all.
   void reset(bool communication_only) noexcept;
+
+  /// The parameters as they are become those of power-up (1010h).
+  void store() noexcept;
+  /// The defaults become those of power-up again (1011h); what holds now is not touched.
+  void forget_stored() noexcept { power_up_ = defaults_; }
 
   /// Row of an address that a peer names, kObjects and a reason if this drive lacks it.
   std::size_t find(std::uint16_t index, std::uint8_t sub, Abort& why) const noexcept;
@@ -70,6 +78,7 @@ class Dictionary {
 
   std::array<std::int64_t, kObjects> values_{};
   std::array<std::int64_t, kObjects> defaults_{};
+  std::array<std::int64_t, kObjects> power_up_{};
   std::array<bool, kObjects> present_{};
   std::array<Text, kTexts> texts_{};
 };

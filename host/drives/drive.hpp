@@ -46,7 +46,7 @@ struct DriveCounters {
   std::uint64_t emergencies = 0;        ///< EMCY frames other than "error reset"
   std::uint16_t last_emergency = 0;     ///< code of the last of them
   std::uint64_t reboots = 0;
-  double worst_following_error_rad = 0.0;  ///< while operation was enabled
+  double worst_following_error_rad = 0.0;  ///< while operation was enabled or a quick stop held
 };
 
 /// What the world outside the bus may see: for reports, loads and tests.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <iterator>
 #include <vector>
 
 #include "host/drives/dictionary.hpp"
@@ -11,6 +12,8 @@ namespace glenoid::drives {
 namespace {
 
 constexpr std::uint8_t kNode = 1;  // for the dictionary's defaults; taken off again where the node id is part of them
+
+constexpr std::uint16_t kArrays[] = {0x1003, 0x1010, 0x1011, 0x1016, 0x1029, 0x607D};  // the others are records
 
 template <class... Arguments>
 std::string format(const char* pattern, Arguments... arguments) {
@@ -69,8 +72,7 @@ std::string object_section(const Dictionary& objects, std::size_t row) {
     ++count;
     subs += "[" + index + "sub" + format("%X", unsigned{kObjectTable[k].sub}) + "]\n" + value_fields(objects, k);
   }
-  const bool array = object.index == 0x1003 || object.index == 0x1016 || object.index == 0x1029 ||
-                     object.index == 0x607D;
+  const bool array = std::find(std::begin(kArrays), std::end(kArrays), object.index) != std::end(kArrays);
   std::string text = "[" + index + "]\nParameterName=" + std::string(object.record) + "\n";
   text += format("ObjectType=%s\nSubNumber=%d\n\n", array ? "0x8" : "0x9", count);
   return text + subs;

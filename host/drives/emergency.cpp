@@ -13,12 +13,18 @@ constexpr std::int64_t kInhibitUnit_ns = 100'000;
 /// Bits of 1001h for an error code; bit 0 is always set.
 constexpr std::int64_t register_bits(std::uint16_t code) noexcept {
   switch (code >> 12U) {
+    case 1:
+      return 0x01;  // generic
     case 2:
       return 0x03;  // current
     case 3:
       return 0x05;  // voltage
     case 4:
       return 0x09;  // temperature
+    case 5:
+    case 6:
+    case 7:
+      return 0x21;  // hardware, software, modules of the device profile
     case 8:
       return (code & 0xFF00U) <= 0x8200 ? 0x11 : 0x21;  // communication, device profile
     default:

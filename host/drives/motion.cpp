@@ -74,8 +74,9 @@ void Motion::step(Dictionary& objects, double step_s) noexcept {
 }
 
 void Motion::watch_following_error(Dictionary& objects, double step_s) noexcept {
-  if (power_.state() != PowerState::OperationEnabled) {
+  if (power_.state() != PowerState::OperationEnabled && power_.state() != PowerState::QuickStopActive) {
     error_time_s_ = 0.0;
+    following_error_ = following_error_ && power_.faulty();
     return;
   }
   const double error = std::abs(following_error_rad());
@@ -93,7 +94,9 @@ bool Motion::follows() const noexcept {
 void Motion::control(Dictionary& objects, std::int64_t now_ns) noexcept {
   const auto word = static_cast<std::uint16_t>(objects.get(row_of(0x6040)));
   const bool was_fault = power_.state() == PowerState::Fault;
-  mode_ = objects.get(row_of(0x6060));
+  const std::int64_t wanted = objects.get(row_of(0x6060));
+  if (wanted == 0 || wanted == kCyclicPosition)
+    mode_ = wanted;  // a PDO may ask for others: 6061h tells that they are not
   apply(power_.command(word, stop_options(objects)), objects);
   if (was_fault && power_.state() != PowerState::Fault) {
     was_reset_ = true;
@@ -161,8 +164,7 @@ void Motion::quick_stop(const Dictionary& objects) noexcept {
 void Motion::disable_voltage(const Dictionary& objects) noexcept { apply(power_.disable_voltage(), objects); }
 
 void Motion::fail(Dictionary& objects, std::uint16_t code) noexcept {
-  const PowerState before = power_.state();
-  if (before == PowerState::Fault || before == PowerState::FaultReaction) return;
+  if (power_.faulty()) return;
   objects.set(row_of(0x603F), code);
   fault_ = code;
   apply(power_.fault(stop_options(objects)), objects);
@@ -186,9 +188,8 @@ bool Motion::take_reset() noexcept {
 }
 
 std::uint16_t Motion::statusword(const Dictionary& objects) const noexcept {
-  const bool in_fault = power_.state() == PowerState::Fault || power_.state() == PowerState::FaultReaction;
   unsigned word = power_.status_bits() | link_bits_ | kVoltage;
-  if (objects.get(row_of(0x1001)) != 0 && !in_fault) word |= kWarning;
+  if (objects.get(row_of(0x1001)) != 0 && !power_.faulty()) word |= kWarning;
   const bool stops = power_.state() == PowerState::QuickStopActive || halted_;
   if (stops && power_.powered() && reference_.at_rest()) word |= kTargetReached;
   if (limited_ || servo_.saturated()) word |= kInternalLimit;

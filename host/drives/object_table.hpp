@@ -62,6 +62,8 @@ inline constexpr int kMappedObjects = 8;  ///< at most, in one PDO
 inline constexpr int kErrorHistory = 8;   ///< entries of 1003h
 inline constexpr int kConsumers = 2;      ///< entries of 1016h
 inline constexpr std::int64_t kPdoInvalid = std::int64_t{1} << 31;
+inline constexpr std::int64_t kPdoNoRemote = std::int64_t{1} << 30;  ///< remote frames are not answered
+inline constexpr std::int64_t kSaves = 1;                            ///< 1010h, 1011h: on command
 
 /// Collects rows in order of address.
 class TableBuilder {
@@ -107,6 +109,10 @@ consteval void add_identity(TableBuilder& table) {
   table.variable(0x1008, "Manufacturer device name", Type::Text, Access::Const);
   table.variable(0x1009, "Manufacturer hardware version", Type::Text, Access::Const);
   table.variable(0x100A, "Manufacturer software version", Type::Text, Access::Const);
+  table.record(0x1010, "Store parameters", 1);
+  table.entry("Save all parameters", Type::U32, Access::Rw, kSaves);
+  table.record(0x1011, "Restore default parameters", 1);
+  table.entry("Restore all default parameters", Type::U32, Access::Rw, kSaves);
   table.variable(0x1014, "COB-ID EMCY", Type::U32, Access::Rw, 0x80, Mappable::No, true);
   table.variable(0x1015, "Inhibit time EMCY", Type::U16, Access::Rw);  // 100 us
   table.record(0x1016, "Consumer heartbeat time", kConsumers);
@@ -133,7 +139,7 @@ consteval std::int64_t default_mapping(bool transmit, int pdo, int entry) {
 consteval void add_pdo_parameters(TableBuilder& table, bool transmit) {
   for (int pdo = 0; pdo < kPdos; ++pdo) {
     const auto base = static_cast<std::uint16_t>((transmit ? 0x1800 : 0x1400) + pdo);
-    const std::int64_t id = (transmit ? 0x180 : 0x200) + 0x100 * pdo;
+    const std::int64_t id = (transmit ? 0x180 + kPdoNoRemote : 0x200) + 0x100 * pdo;
     table.record(base, transmit ? "TPDO communication parameter" : "RPDO communication parameter", transmit ? 6 : 5);
     table.entry(transmit ? "COB-ID used by TPDO" : "COB-ID used by RPDO", Type::U32, Access::Rw,
                 pdo == 0 ? id : id + kPdoInvalid, true);

@@ -5,9 +5,21 @@
 namespace glenoid::drives {
 namespace {
 
-constexpr std::int64_t kProducesSync = std::int64_t{1} << 30;
+constexpr std::int64_t kSave = 0x65766173, kLoad = 0x64616F6C;  // "save", "load"
+constexpr std::int64_t kSyncBeyondId = 0x7FFFF800;              // producer, 29 bits: it neither sends nor takes such
 
 bool is_pdo_parameter(const Object& object) noexcept { return object.index >= 0x1400 && object.index < 0x1C00; }
+
+/// 1016h: each node once.
+Abort check_consumer(const Dictionary& objects, std::size_t row, std::int64_t value) noexcept {
+  const std::int64_t node = value >> 16;
+  if (node > 0x7F) return Abort::ValueRange;
+  for (std::size_t k = row_of(0x1016, 1); k < row_of(0x1016, 1) + kConsumers; ++k) {
+    const bool both_used = (value & 0xFFFF) != 0 && (objects.get(k) & 0xFFFF) != 0;
+    if (k != row && both_used && objects.get(k) >> 16 == node) return Abort::Incompatible;
+  }
+  return Abort::None;
+}
 
 }  // namespace
 
@@ -17,6 +29,7 @@ Abort Drive::Parts::read(std::uint16_t index, std::uint8_t sub, std::span<std::u
   const std::size_t row = objects.find(index, sub, why);
   if (row == kObjects) return why;
   if (kObjectTable[row].access == Access::Wo) return Abort::WriteOnly;
+  if (index == 0x1003 && sub > objects.get(row_of(0x1003))) return Abort::NoData;
   motion.publish(objects);
   size = objects.encode(row, into);
   return Abort::None;
@@ -60,9 +73,16 @@ Abort Drive::Parts::check(std::size_t row, std::int64_t value) const noexcept {
   }
   switch (object.index) {
     case 0x1005:
-      return (value & kProducesSync) == 0 ? Abort::None : Abort::ValueRange;  // this is no SYNC producer
+      return (value & kSyncBeyondId) == 0 ? Abort::None : Abort::ValueRange;
+    case 0x1010:
+      if (motion.power().powered()) return Abort::DeviceState;
+      return value == kSave ? Abort::None : Abort::NotStored;
+    case 0x1011:
+      return value == kLoad ? Abort::None : Abort::NotStored;
+    case 0x1014:
+      return check_cob_id(objects.get(row), value);
     case 0x1016:
-      return (value >> 16) <= 0x7F ? Abort::None : Abort::ValueRange;
+      return check_consumer(objects, row, value);
     case 0x1019:
       if (objects.get(row_of(0x1006)) != 0) return Abort::DeviceState;
       return value != 1 ? Abort::None : Abort::ValueRange;
@@ -78,8 +98,12 @@ Abort Drive::Parts::check(std::size_t row, std::int64_t value) const noexcept {
 void Drive::Parts::written(std::size_t row) noexcept {
   const Object& object = kObjectTable[row];
   if (is_pdo_parameter(object)) {
-    received.configure(objects);
-    transmitted.configure(objects);
+    const int pdo = object.index & (kPdos - 1);
+    if (object.index < 0x1800) {
+      received.configure(objects, pdo);
+    } else {
+      transmitted.configure(objects, pdo);
+    }
     return;
   }
   switch (object.index) {
@@ -88,6 +112,14 @@ void Drive::Parts::written(std::size_t row) noexcept {
       break;
     case 0x1006:
       last_sync_ns = -1;
+      break;
+    case 0x1010:
+      objects.set(row, kSaves);
+      objects.store();
+      break;
+    case 0x1011:
+      objects.set(row, kSaves);
+      objects.forget_stored();
       break;
     case 0x1016:
       if (object.sub != 0) consumers[object.sub - 1U] = {};

@@ -44,7 +44,7 @@ Abort check_entry(const Dictionary& objects, const Entry& entry, bool transmit, 
 }
 
 Abort check_count(const Dictionary& objects, std::size_t row, std::int64_t count, bool transmit, bool dummies) noexcept {
-  if (count > kMappedObjects) return Abort::ValueRange;
+  if (count > kMappedObjects) return Abort::PdoTooLong;
   std::size_t bits = 0;
   for (std::size_t k = 1; k <= static_cast<std::size_t>(count); ++k) {
     const Entry entry(objects.get(row + k));
@@ -60,19 +60,13 @@ bool is_restricted(std::int64_t id) noexcept {
          (id >= 0x601 && id <= 0x67F) || (id >= 0x6E0 && id <= 0x6FF) || id >= 0x701;
 }
 
-Abort check_identifier(std::int64_t old, std::int64_t value) noexcept {
-  if ((value & kPdoInvalid) != 0) return Abort::None;
-  if ((value & 0x3FFFF800) != 0 || is_restricted(value & 0x7FF)) return Abort::ValueRange;
-  const bool was_valid = (old & kPdoInvalid) == 0;
-  return was_valid && (value & 0x7FF) != (old & 0x7FF) ? Abort::ValueRange : Abort::None;
-}
-
 Abort check_communication(const Dictionary& objects, std::size_t row, std::int64_t value, std::int64_t cob_id,
                           bool transmit) noexcept {
   const bool valid = (cob_id & kPdoInvalid) == 0;
   switch (kObjectTable[row].sub) {
     case 1:
-      return check_identifier(objects.get(row), value);
+      if (transmit && (value & (kPdoInvalid | kPdoNoRemote)) == 0) return Abort::ValueRange;
+      return check_cob_id(objects.get(row), value);
     case 2:
       return value <= kLastCyclic || value >= kFirstEvent ? Abort::None : Abort::ValueRange;
     case 3:
@@ -97,6 +91,13 @@ PdoMap resolve(const Dictionary& objects, std::size_t row) noexcept {
 
 }  // namespace
 
+Abort check_cob_id(std::int64_t old, std::int64_t value) noexcept {
+  if ((value & kPdoInvalid) != 0) return Abort::None;
+  if ((value & 0x3FFFF800) != 0 || is_restricted(value & 0x7FF)) return Abort::ValueRange;
+  const bool was_valid = (old & kPdoInvalid) == 0;
+  return was_valid && (value & 0x7FF) != (old & 0x7FF) ? Abort::ValueRange : Abort::None;
+}
+
 Abort check_pdo_write(const Dictionary& objects, std::size_t row, std::int64_t value, bool operational,
                       bool dummy_mapping) noexcept {
   const Object& object = kObjectTable[row];
@@ -115,15 +116,17 @@ Abort check_pdo_write(const Dictionary& objects, std::size_t row, std::int64_t v
 }
 
 void ReceivePdos::configure(const Dictionary& objects) noexcept {
-  for (int k = 0; k < kPdos; ++k) {
-    Pdo& pdo = pdos_[static_cast<std::size_t>(k)];
-    const std::int64_t id = objects.get(row_at(kReceive, k, 1));
-    pdo = {};
-    pdo.id = static_cast<std::uint32_t>(id & 0x7FF);
-    pdo.valid = (id & kPdoInvalid) == 0;
-    pdo.synchronous = objects.get(row_at(kReceive, k, 2)) <= kLastCyclic;
-    pdo.map = resolve(objects, row_at(kReceive + kToMapping, k, 0));
-  }
+  for (int k = 0; k < kPdos; ++k) configure(objects, k);
+}
+
+void ReceivePdos::configure(const Dictionary& objects, int k) noexcept {
+  Pdo& pdo = pdos_[static_cast<std::size_t>(k)];
+  const std::int64_t id = objects.get(row_at(kReceive, k, 1));
+  pdo = {};
+  pdo.id = static_cast<std::uint32_t>(id & 0x7FF);
+  pdo.valid = (id & kPdoInvalid) == 0;
+  pdo.synchronous = objects.get(row_at(kReceive, k, 2)) <= kLastCyclic;
+  pdo.map = resolve(objects, row_at(kReceive + kToMapping, k, 0));
 }
 
 bool ReceivePdos::takes(std::uint32_t id) const noexcept {
@@ -179,20 +182,24 @@ int ReceivePdos::expired(const Dictionary& objects, std::int64_t now_ns) noexcep
 }
 
 void TransmitPdos::configure(const Dictionary& objects) noexcept {
-  event_driven_ = false;
-  for (int k = 0; k < kPdos; ++k) {
-    Pdo& pdo = pdos_[static_cast<std::size_t>(k)];
-    const auto parameter = [&](std::uint8_t sub) { return objects.get(row_at(kTransmit, k, sub)); };
-    pdo = {};
-    pdo.id = static_cast<std::uint32_t>(parameter(1) & 0x7FF);
-    pdo.valid = (parameter(1) & kPdoInvalid) == 0;
-    pdo.type = static_cast<unsigned>(parameter(2));
-    pdo.inhibit_ns = parameter(3) * kInhibitUnit_ns;
-    pdo.event_ns = parameter(5) * kMs;
-    pdo.start = static_cast<unsigned>(parameter(6));
-    pdo.map = resolve(objects, row_at(kTransmit + kToMapping, k, 0));
-    event_driven_ = event_driven_ || (pdo.valid && pdo.type >= kFirstEvent);
-  }
+  for (int k = 0; k < kPdos; ++k) configure(objects, k);
+}
+
+void TransmitPdos::configure(const Dictionary& objects, int k) noexcept {
+  Pdo& pdo = pdos_[static_cast<std::size_t>(k)];
+  const auto parameter = [&](std::uint8_t sub) { return objects.get(row_at(kTransmit, k, sub)); };
+  pdo = {};
+  pdo.id = static_cast<std::uint32_t>(parameter(1) & 0x7FF);
+  pdo.valid = (parameter(1) & kPdoInvalid) == 0;
+  pdo.type = static_cast<unsigned>(parameter(2));
+  pdo.inhibit_ns = parameter(3) * kInhibitUnit_ns;
+  pdo.event_ns = parameter(5) * kMs;
+  pdo.start = static_cast<unsigned>(parameter(6));
+  pdo.map = resolve(objects, row_at(kTransmit + kToMapping, k, 0));
+}
+
+bool TransmitPdos::event_driven() const noexcept {
+  return std::any_of(pdos_.begin(), pdos_.end(), [](const Pdo& pdo) { return pdo.valid && pdo.type >= kFirstEvent; });
 }
 
 unsigned TransmitPdos::on_sync(const Dictionary& objects, unsigned counter) noexcept {

@@ -19,6 +19,10 @@ struct PdoMap {
   std::size_t bytes = 0;
 };
 
+/// Checks a write to an identifier (1014h, 14xxh:01, 18xxh:01): bit 31 off, 11 bits, not one of another service, and not another
+/// one while it is in use.
+Abort check_cob_id(std::int64_t old, std::int64_t value) noexcept;
+
 /// Checks a write to a communication or mapping record (1400h to 1BFFh) against the rules of re-mapping.
 Abort check_pdo_write(const Dictionary& objects, std::size_t row, std::int64_t value, bool operational,
                       bool dummy_mapping) noexcept;
@@ -28,7 +32,9 @@ class ReceivePdos {
  public:
   enum class Outcome : std::uint8_t { NotMine, Waits, Active, TooShort, TooLong };
 
-  /// Takes parameters and mappings over from the dictionary and forgets what waits.
+  /// Takes parameters and mapping of a PDO (from 0) over from the dictionary and forgets what waits.
+  void configure(const Dictionary& objects, int pdo) noexcept;
+  /// The same for all.
   void configure(const Dictionary& objects) noexcept;
   /// Whether a PDO in use has this identifier.
   [[nodiscard]] bool takes(std::uint32_t id) const noexcept;
@@ -58,11 +64,14 @@ class ReceivePdos {
 /// PDOs a drive sends.
 class TransmitPdos {
  public:
+  /// Takes parameters and mapping of a PDO (from 0) over from the dictionary; it counts as not yet sent.
+  void configure(const Dictionary& objects, int pdo) noexcept;
+  /// The same for all.
   void configure(const Dictionary& objects) noexcept;
   /// SYNC: which PDOs are due, as a bit mask. @param counter  of the SYNC frame, 0 without
   unsigned on_sync(const Dictionary& objects, unsigned counter) noexcept;
   /// Whether any PDO may be due without a SYNC.
-  [[nodiscard]] bool event_driven() const noexcept { return event_driven_; }
+  [[nodiscard]] bool event_driven() const noexcept;
   /// Event-driven PDOs that are due now: changed and not inhibited, or their timer ran out.
   unsigned on_time(const Dictionary& objects, std::int64_t now_ns) noexcept;
   /// The frame of a PDO with the objects' present values; it counts as sent.
@@ -83,7 +92,6 @@ class TransmitPdos {
   };
   static can::Frame encode(const Dictionary& objects, const Pdo& pdo) noexcept;
 
-  bool event_driven_ = false;
   std::array<Pdo, kPdos> pdos_{};
 };
 

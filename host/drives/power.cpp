@@ -151,14 +151,12 @@ PowerEffect Power::quick_stop(const StopOptions& options) noexcept {
 }
 
 PowerEffect Power::disable_voltage() noexcept {
-  if (state_ == PowerState::NotReady || state_ == PowerState::Fault || state_ == PowerState::FaultReaction) {
-    return PowerEffect::None;
-  }
+  if (state_ == PowerState::NotReady || faulty()) return PowerEffect::None;
   return go(PowerState::SwitchOnDisabled);
 }
 
 PowerEffect Power::fault(const StopOptions& options) noexcept {
-  if (state_ == PowerState::Fault || state_ == PowerState::FaultReaction) return PowerEffect::None;
+  if (faulty()) return PowerEffect::None;
   if (!powered()) return go(PowerState::Fault);
   const StopRamp ramp = options.fault_reaction == 0 ? StopRamp::Off : quick_stop_ramp(options.fault_reaction);
   return begin_stop(PowerState::FaultReaction, ramp, PowerState::Fault, false);

@@ -35,6 +35,10 @@ class Power {
   [[nodiscard]] StopRamp ramp() const noexcept { return ramp_; }
   /// A stop runs that has not ended yet.
   [[nodiscard]] bool stopping() const noexcept { return stopping_; }
+  /// A fault is reacted to or waits for its reset.
+  [[nodiscard]] bool faulty() const noexcept {
+    return state_ == PowerState::FaultReaction || state_ == PowerState::Fault;
+  }
   /// The power stage drives the motor.
   [[nodiscard]] bool powered() const noexcept;
 

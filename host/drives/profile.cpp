@@ -29,8 +29,9 @@ Address parse_address(const Section& section, const std::string& text, std::uint
 }
 
 void read_mechanics(const Section& section, Mechanics& mechanics) {
-  section.allow_only({"encoder_counts_per_motor_rev", "gear_ratio", "inertia_kg_m2", "rated_torque_Nm", "peak_torque_Nm",
-                      "coulomb_friction_Nm", "viscous_friction_Nm_s_per_rad", "max_speed_rad_per_s", "brake"});
+  section.allow_only({"encoder_counts_per_motor_rev", "gear_ratio", "inertia_kg_m2", "rated_torque_Nm",
+                      "peak_torque_Nm", "coulomb_friction_Nm", "viscous_friction_Nm_s_per_rad", "max_speed_rad_per_s",
+                      "no_load_speed_ratio", "brake", "brake_torque_Nm", "brake_delay_s"});
   section.read("encoder_counts_per_motor_rev", mechanics.encoder_counts_per_motor_rev);
   section.read("gear_ratio", mechanics.gear_ratio);
   section.read_positive("inertia_kg_m2", mechanics.inertia_kg_m2);
@@ -39,7 +40,11 @@ void read_mechanics(const Section& section, Mechanics& mechanics) {
   section.read_not_negative("coulomb_friction_Nm", mechanics.coulomb_friction_Nm);
   section.read_not_negative("viscous_friction_Nm_s_per_rad", mechanics.viscous_friction_Nm_s_per_rad);
   section.read_positive("max_speed_rad_per_s", mechanics.max_speed_rad_per_s);
+  section.read_positive("no_load_speed_ratio", mechanics.no_load_speed_ratio);
+  if (mechanics.no_load_speed_ratio <= 1.0) section.fail("no_load_speed_ratio: must be above 1");
   section.read("brake", mechanics.brake);
+  section.read_positive("brake_torque_Nm", mechanics.brake_torque_Nm);
+  section.read_not_negative("brake_delay_s", mechanics.brake_delay_s);
   if (mechanics.counts_per_rev() < 1.0) section.fail("encoder counts times gear ratio must be at least 1");
 }
 

@@ -33,7 +33,10 @@ struct Mechanics {
   double coulomb_friction_Nm = 1.0;
   double viscous_friction_Nm_s_per_rad = 0.5;
   double max_speed_rad_per_s = 4.0;
-  bool brake = true;  ///< holds the joint while the power stage is off
+  double no_load_speed_ratio = 1.5;  ///< no-load speed over the greatest; the torque falls to nothing between the two
+  bool brake = true;                 ///< holds the joint while the power stage is off
+  double brake_torque_Nm = 40.0;     ///< while it slips
+  double brake_delay_s = 0.03;       ///< to close, when power is lost in motion; a joint at rest is held before that
 
   /// Encoder counts of one turn of the joint.
   [[nodiscard]] double counts_per_rev() const noexcept {

@@ -26,7 +26,9 @@ bool SdoServer::respond(const Message& request, ObjectServer& objects, Message& 
     DownloadBegin = 1,
     UploadBegin = 2,
     UploadSegment = 3,
-    ClientAbort = 4
+    ClientAbort = 4,
+    BlockUpload = 5,
+    BlockDownload = 6
   };
   const unsigned command = request[0] >> 5U;
   answer = {};
@@ -34,7 +36,7 @@ bool SdoServer::respond(const Message& request, ObjectServer& objects, Message& 
     reset();
     return false;
   }
-  if (command == DownloadBegin || command == UploadBegin || transfer_ == Transfer::None) {
+  if (command == DownloadBegin || command == UploadBegin || command == BlockUpload || command == BlockDownload) {
     index_ = static_cast<std::uint16_t>(request[1] | request[2] << 8U);
     sub_ = request[3];
   }

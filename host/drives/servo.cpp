@@ -8,6 +8,7 @@ namespace glenoid::drives {
 namespace {
 
 constexpr double kCoulombSmoothing_rad_per_s = 0.02;  // Coulomb friction becomes viscous below
+constexpr double kAtRest_rad_per_s = 0.02;            // slower, the brake closes before the power goes
 constexpr double kInstant_s = 1e-9;                   // the resolution of time
 
 }  // namespace
@@ -64,11 +65,32 @@ Servo::Servo(const Profile& profile, double position_rad) noexcept
       counts_per_rad_(profile.mechanics.counts_per_rev() / (2.0 * std::numbers::pi)),
       position_(position_rad),
       counts_(std::floor(position_rad * counts_per_rad_)),
-      most_torque_(profile.mechanics.peak_torque_Nm) {}
+      most_torque_(profile.mechanics.peak_torque_Nm),
+      locked_(profile.mechanics.brake) {}
 
 void Servo::enable() noexcept {
   powered_ = true;
+  locked_ = false;
   integral_ = 0.0;
+  off_s_ = 0.0;
+}
+
+void Servo::disable() noexcept {
+  powered_ = false;
+  locked_ = mechanics_.brake && std::abs(velocity_) < kAtRest_rad_per_s;
+}
+
+/// Of a brake that has closed and slips.
+double Servo::brake_torque_Nm() const noexcept {
+  const bool slips = mechanics_.brake && !powered_ && !locked_ && off_s_ > mechanics_.brake_delay_s;
+  return slips ? mechanics_.brake_torque_Nm : 0.0;
+}
+
+/// What the supply's voltage leaves: all up to the greatest speed, nothing at the no-load speed.
+double Servo::greatest_torque_Nm(double wanted) const noexcept {
+  const double along = std::copysign(1.0, wanted) * velocity_ / mechanics_.max_speed_rad_per_s;
+  const double share = (mechanics_.no_load_speed_ratio - along) / (mechanics_.no_load_speed_ratio - 1.0);
+  return most_torque_ * std::clamp(share, 0.0, 1.0);
 }
 
 /// Friction torque over velocity at the present velocity.
@@ -79,7 +101,8 @@ double Servo::friction_Nm_s_per_rad() const noexcept {
 }
 
 JointState Servo::state() const noexcept {
-  return {position_, velocity_, torque_ - friction_Nm_s_per_rad() * velocity_, mechanics_.inertia_kg_m2, held()};
+  const double lost = friction_Nm_s_per_rad() * velocity_ + std::copysign(brake_torque_Nm(), velocity_);
+  return {position_, velocity_, torque_ - lost, mechanics_.inertia_kg_m2, held()};
 }
 
 double Servo::control(double position_ref, double velocity_ref, double torque_offset, double step_s) noexcept {
@@ -87,7 +110,8 @@ double Servo::control(double position_ref, double velocity_ref, double torque_of
   const double wanted = velocity_ref + control_.position_bandwidth_rad_per_s * (position_ref - measured());
   const double error = wanted - filtered_velocity_;
   const double torque = gain * error + integral_ + torque_offset;
-  const double limited = std::clamp(torque, -most_torque_, most_torque_);
+  const double most = greatest_torque_Nm(torque);
+  const double limited = std::clamp(torque, -most, most);
   saturated_ = limited != torque;
   if (!saturated_) integral_ += gain * error * step_s / control_.integral_time_s;  // no wind-up
   return limited;
@@ -103,6 +127,7 @@ void Servo::measure(double step_s) noexcept {
 void Servo::step(double position_ref, double velocity_ref, double torque_offset, double step_s) noexcept {
   torque_ = powered_ ? control(position_ref, velocity_ref, torque_offset, step_s) : 0.0;
   saturated_ = powered_ && saturated_;
+  if (!powered_) off_s_ += step_s;
   if (held()) {
     velocity_ = 0.0;
   } else {
@@ -110,6 +135,10 @@ void Servo::step(double position_ref, double velocity_ref, double torque_offset,
     const double inertia = mechanics_.inertia_kg_m2 + load_.inertia_kg_m2;
     const double damping = 1.0 + step_s * friction_Nm_s_per_rad() / inertia;
     velocity_ = (velocity_ + step_s * (torque_ + load_.torque_Nm) / inertia) / damping;
+    if (const double most = step_s * brake_torque_Nm() / inertia; most > 0.0) {
+      locked_ = std::abs(velocity_) <= most;
+      velocity_ = locked_ ? 0.0 : velocity_ - std::copysign(most, velocity_);
+    }
   }
   position_ += velocity_ * step_s;
   measure(step_s);

@@ -46,7 +46,8 @@ class Servo {
 
   /// Closes the loops at the place where the joint stands; velocity is kept.
   void enable() noexcept;
-  void disable() noexcept { powered_ = false; }
+  /// Power off. A joint at rest is held by its brake from now on, one that moves is slowed down when the brake has closed.
+  void disable() noexcept;
   /// One step with the reference's position and velocity, rad and rad/s, and a torque added to the controllers', Nm.
   void step(double position_ref, double velocity_ref, double torque_offset, double step_s) noexcept;
   /// Greatest torque, Nm.
@@ -68,7 +69,9 @@ class Servo {
   [[nodiscard]] double measured_velocity() const noexcept { return filtered_velocity_; }
 
  private:
-  [[nodiscard]] bool held() const noexcept { return jammed_ || (!powered_ && mechanics_.brake); }
+  [[nodiscard]] bool held() const noexcept { return jammed_ || locked_; }
+  [[nodiscard]] double brake_torque_Nm() const noexcept;
+  [[nodiscard]] double greatest_torque_Nm(double wanted) const noexcept;
   [[nodiscard]] double friction_Nm_s_per_rad() const noexcept;
   double control(double position_ref, double velocity_ref, double torque_offset, double step_s) noexcept;
   void measure(double step_s) noexcept;
@@ -79,9 +82,11 @@ class Servo {
   double position_, velocity_ = 0.0;
   double counts_ = 0.0, filtered_velocity_ = 0.0;
   double torque_ = 0.0, integral_ = 0.0;
+  double off_s_ = 0.0;  ///< since power was lost
   double most_torque_;
   JointLoad load_;
   bool powered_ = false, saturated_ = false, stuck_ = false, jammed_ = false;
+  bool locked_;  ///< by the brake
 };
 
 }  // namespace glenoid::drives

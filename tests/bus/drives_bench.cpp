@@ -91,6 +91,7 @@ std::uint32_t DriveBench::download(std::uint16_t index, std::uint8_t sub, std::i
 bool DriveBench::map(std::uint16_t communication, std::int64_t cob_id, unsigned type,
                      std::initializer_list<std::uint32_t> objects) {
   const auto mapping = static_cast<std::uint16_t>(communication + 0x200);
+  if (communication >= 0x1800) cob_id |= 0x40000000;  // the drive answers no remote frames
   bool good = download(communication, 1, cob_id | 0x80000000, 4) == 0 && download(mapping, 0, 0, 1) == 0;
   std::uint8_t sub = 0;
   for (const std::uint32_t object : objects) good = download(mapping, ++sub, object, 4) == 0 && good;

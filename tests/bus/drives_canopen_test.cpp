@@ -320,7 +320,7 @@ TEST(DriveEmergency, HistoryIsNewestFirstAndCanBeCleared) {
   EXPECT_EQ(bench.upload(0x1001).value, 0);
   EXPECT_EQ(bench.download(0x1003, 0, 1, 1), kRange);
   EXPECT_EQ(bench.download(0x1003, 0, 0, 1), 0U);
-  EXPECT_EQ(bench.upload(0x1003, 1).value, 0);
+  EXPECT_EQ(bench.upload(0x1003, 1).abort, 0x08000024U);
 }
 
 TEST(Drive, CyclicPathDoesNotAllocate) {

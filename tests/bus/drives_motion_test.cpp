@@ -262,6 +262,36 @@ TEST_P(QuickStop, StopsOnItsRampAndEndsWhereTheOptionSays) {
   EXPECT_EQ(bench.drive.view().powered, option >= 5);
 }
 
+TEST(DriveFollowingError, IsWatchedDuringAQuickStopToo) {
+  DriveBench bench;
+  bench.prepare();
+  bench.enable();
+  ASSERT_EQ(bench.download(0x605A, 0, 6, 2), 0U);
+  ASSERT_EQ(bench.download(0x6065, 0, bench.counts(0.01), 4), 0U);
+  ASSERT_EQ(bench.download(0x6085, 0, bench.counts(2.0), 4), 0U);
+  for (int k = 1; k <= 200; ++k) bench.cycle(0x0F, bench.counts(0.001 * k));  // 0.5 rad/s
+  drives::Outbox out;
+  bench.drive.inject({FaultKind::Jam, 0, 0}, bench.now_ns, out);
+  bench.take();
+  for (int k = 0; k < 50; ++k) bench.cycle(0x02, 0);  // the ramp goes on 60 mrad without the joint
+  EXPECT_EQ(emergency_code(bench), 0x8611);
+  EXPECT_EQ(bench.state() & 0x4F, 0x08U);
+  EXPECT_FALSE(bench.drive.view().powered);
+}
+
+TEST(DriveFollowingError, BitIsGoneWhenTheDriveIsOff) {
+  DriveBench bench;
+  bench.prepare();
+  bench.enable();
+  ASSERT_EQ(bench.download(0x6065, 0, 1, 4), 0U);
+  ASSERT_EQ(bench.download(0x6066, 0, 60000, 2), 0U);
+  for (int k = 1; k <= 20; ++k) bench.cycle(0x0F, bench.counts(0.002 * k));
+  ASSERT_NE(bench.drive.view().statusword & 1U << 13U, 0U);
+  bench.cycle(0x00, 0);
+  bench.cycle(0x00, 0);
+  EXPECT_EQ(bench.drive.view().statusword & 1U << 13U, 0U);
+}
+
 TEST(DriveFollowingError, BeyondWindowAndTimeIsAFault) {
   DriveBench bench;
   bench.prepare();

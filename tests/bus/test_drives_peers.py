@@ -75,7 +75,12 @@ def test_eds_is_one_that_canopen_reads_and_says_what_the_drive_says(profile, tmp
     assert len(rows) > 150
     live = {0x1001, 0x6041, 0x6062, 0x6064, 0x6076, 0x6072, 0x608F, 0x6091, 0x606C, 0x6077, 0x60F4, 0x1008, 0x1009}
     different = {}
-    for row in rows:
+    history = [row for row in rows if row.index == 0x1003 and row.subindex > 0]
+    for row in history:
+        with pytest.raises(canopen.SdoAbortedError) as empty:
+            node.sdo.upload(row.index, row.subindex)
+        assert empty.value.code == 0x08000024
+    for row in (row for row in rows if row not in history):
         raw = node.sdo.upload(row.index, row.subindex)
         if row.default is not None and row.index not in live and row.decode_raw(raw) != row.default:
             different[row.index, row.subindex] = (row.decode_raw(raw), row.default)
@@ -97,6 +102,20 @@ def test_canopen_reads_and_writes_by_segments(tmp_path, drives, network):
     with pytest.raises(canopen.SdoAbortedError) as refused:
         node.sdo.download(0x6041, 0, b"\0\0")
     assert refused.value.code == 0x06010002
+
+
+def test_canopen_stores_and_restores_the_parameters(tmp_path, drives, network):
+    drives("--nodes", "1")
+    node = network.add_node(1, str(write_eds(tmp_path)))
+    node.sdo[0x6065].raw = 77
+    node.store()
+    node.nmt.state = "RESET"
+    node.nmt.wait_for_bootup(PATIENCE_S)
+    assert node.sdo[0x6065].raw == 77
+    node.restore()
+    node.nmt.state = "RESET"
+    node.nmt.wait_for_bootup(PATIENCE_S)
+    assert node.sdo[0x6065].raw == node.object_dictionary[0x6065].default
 
 
 def test_canopens_402_node_walks_through_the_states(tmp_path, drives, network):
