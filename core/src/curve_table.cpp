@@ -120,6 +120,7 @@ CurveTable::Panel CurveTable::fit(double low, double high, double end, const Cur
 }
 
 bool CurveTable::evaluate(double c, CurveJet& out) const noexcept {
+  if (std::isnan(c)) return false;
   const Side& side = c < 0.0 ? raised_ : hanging_;
   const double v = 1.0 - side.end * c;
   const int index = key(v) - side.first;

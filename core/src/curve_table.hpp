@@ -22,7 +22,7 @@ class CurveTable {
   /// @param scale  1 - c below which the curve is well approximated by one polynomial; 0 < scale < 1
   CurveTable(double scale, const Curve& curve);
 
-  /// @return false, `out` unchanged, where the table does not reach: next to c = -1. @alloc none
+  /// @return false, `out` unchanged, where the table does not reach: next to c = -1, and NaN. @alloc none
   bool evaluate(double c, CurveJet& out) const noexcept;
 
  private:

@@ -240,7 +240,7 @@ void MotionGenerator::Impl::accept(double time, const Vec3& target) {
   message[0] = '\0';
   const auto say = [this, &target](const char* text, double value, const char* unit) {
     const Vec3 t = mirror_if(left(), target);
-    std::snprintf(message.data(), message.size(), "target = (%.4f, %.4f, %.4f) m: %s %.4f %s", t.x(), t.y(), t.z(),
+    std::snprintf(message.data(), message.size(), "target = (%.6g, %.6g, %.6g) m: %s %.6g %s", t.x(), t.y(), t.z(),
                   text, value, unit);
   };
   constexpr double kDegree = kPi / 180.0;

@@ -14,12 +14,14 @@ std::string number(double value) {
   return text.data();
 }
 
+std::string in(std::string_view unit) { return unit == "1" ? std::string() : std::string(" ").append(unit); }
+
 }  // namespace
 
 void Problems::require(bool holds, std::string_view name, double value, std::string_view unit, std::string_view rule) {
   if (holds) return;
   if (!text_.empty()) text_ += '\n';
-  text_.append(name).append(" = ").append(number(value)).append(" ").append(unit).append(": ").append(rule);
+  text_.append(name).append(" = ").append(number(value)).append(in(unit)).append(": ").append(rule);
 }
 
 void Problems::require_positive(std::string_view name, double value, std::string_view unit) {
@@ -27,7 +29,7 @@ void Problems::require_positive(std::string_view name, double value, std::string
 }
 
 void Problems::require_range(std::string_view name, double value, double lower, double upper, std::string_view unit) {
-  const std::string rule = "must be within " + number(lower) + " to " + number(upper) + " " + std::string(unit);
+  const std::string rule = "must be within " + number(lower) + " to " + number(upper) + in(unit);
   require(value >= lower && value <= upper, name, value, unit, rule);
 }
 

@@ -8,7 +8,7 @@ namespace glenoid {
 /// Collects every broken rule of an input, so that a user sees all of them at once. Start-up only: it allocates.
 class Problems {
  public:
-  /// Notes "name = value unit: rule" unless the rule holds.
+  /// Notes "name = value unit: rule" unless the rule holds; the unit "1" is not written.
   void require(bool holds, std::string_view name, double value, std::string_view unit, std::string_view rule);
   /// finite and > 0, as one rule.
   void require_positive(std::string_view name, double value, std::string_view unit);

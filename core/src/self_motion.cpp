@@ -105,9 +105,11 @@ double reach_margin_near(const ArmModel& arm, const Vec3& wrist, Vec3 u) noexcep
 }
 
 void find_self_motion(const ArmModel& arm, const Vec3& wrist, SelfMotion& out) noexcept {
+  constexpr double kFarthest = 1e6;  // m from the thorax; squares of what is farther may overflow
   constexpr double kStartElevations[] = {0.6, 1.3, 2.0, 2.6};  // rad; the shoulder there decides the first direction
   out.count = 0;
-  out.reach_margin_m = -1e9;
+  out.reach_margin_m = -wrist.stableNorm();
+  if (!(wrist.stableNorm() < kFarthest)) return;
   const bool moves = arm.rhythm.settings().model != RhythmModel::Fixed && arm.rhythm.settings().gain > 0.0;
   for (const double elevation : kStartElevations) {
     Vec3 towards = wrist - arm.rhythm.position(Vec3::UnitZ());

@@ -383,8 +383,8 @@ TEST_P(Validation, NamesVariableValueAndRule) {
 INSTANTIATE_TEST_SUITE_P(
     Rules, Validation,
     testing::Values(
-        BadSettings{"length", "length of exo.axis2 = 2 1", [](ExoSettings& s) { s.axes[1] *= 2.0; }},
-        BadSettings{"zero", "length of exo.axis3 = 0 1", [](ExoSettings& s) { s.axes[2].setZero(); }},
+        BadSettings{"length", "length of exo.axis2 = 2:", [](ExoSettings& s) { s.axes[1] *= 2.0; }},
+        BadSettings{"zero", "length of exo.axis3 = 0:", [](ExoSettings& s) { s.axes[2].setZero(); }},
         BadSettings{"nan", "exo.axis1[2] = nan", [](ExoSettings& s) { s.axes[0][1] = std::nan(""); }},
         BadSettings{"parallel", "angle of exo.axis1 and exo.axis2 = 0 rad",
                     [](ExoSettings& s) { s.axes[1] = s.axes[0]; }},

@@ -291,6 +291,12 @@ TEST(MinimumEnergy, NamesAnUnreachableTargetWithItsDistance) {
     EXPECT_EQ(planner.plan_minimum_energy(arm, start, target, plan), Status::TargetUnreachable);
     EXPECT_NEAR(plan.reach_margin_m, -beyond, 1e-9);
   }
+  // So far that its square is no number, from rest and in mid-motion.
+  ReachPlan earlier;
+  ASSERT_EQ(planner.plan_minimum_energy(arm, start, shoulder + 0.4 * Vec3::UnitY(), earlier), Status::Ok);
+  const Vec3 far(1e300, -1e300, 0.0);
+  EXPECT_EQ(planner.plan_minimum_energy(arm, start, far, plan), Status::TargetUnreachable);
+  EXPECT_EQ(planner.replan_minimum_energy(arm, start, far, earlier.path, 0.0, plan), Status::TargetUnreachable);
   // Too near: closer than the difference of the segments.
   const double hole = std::abs(arm.upper_arm.length_m - arm.forearm.length_m);
   EXPECT_EQ(planner.plan_minimum_energy(arm, start, shoulder + 0.5 * hole * Vec3::UnitY(), plan),
