@@ -1,16 +1,17 @@
 """Soak: glenoid-bridge and six glenoid-drives move for a long time. What the drives missed, and whether memory stays flat.
 
 Ends with 0 when no drive missed a cycle while it was enabled, the bridge was in RUN to the end, and neither program
-grew after its first minute. Prints one JSON object. An idle timer of the highest priority runs beside: how often the
-machine itself wakes a program up too late for a cycle.
+grew after its first minute. Prints one JSON object. An idle timer of the highest priority runs beside on every processor:
+how often the machine itself wakes a program up too late for a cycle, how many of the cycles left out coincide with that, and
+how much time its host took away.
 """
 
 import argparse
 import json
-import math
 import multiprocessing
 import os
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -19,6 +20,7 @@ import yaml
 from bridge_bench import GROUP, six_drives, stream
 from glenoid.programs import program
 from glenoid.publisher import STATES, BridgeError, Publisher
+from punctuality import be_punctual, cycle_listener, idle_timer, machine, misses, stolen_s
 
 SETTLED_S = 60.0  #: memory is compared with what it was then
 PAGE_KB = 4
@@ -38,25 +40,33 @@ def memory_kb(process):
     return int(fields["VmRSS"].split()[0])
 
 
-def be_punctual(priority):
-    """SCHED_FIFO for this program, where permitted."""
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
-    except PermissionError:
-        print("no right to SCHED_FIFO: the source runs as an ordinary program", flush=True)
+class Watchers:
+    """An idle timer on every processor and a listener to the cycles, beside a run."""
 
+    def __init__(self, rate_hz, lcm_url):
+        self.period_ns = round(1e9 / rate_hz)
+        self._over = multiprocessing.Event()
+        self._processors = sorted(os.sched_getaffinity(0))
+        self._timers, self._gaps = multiprocessing.Queue(), multiprocessing.Queue()
+        ears = (lcm_url, self.period_ns, self._over, self._gaps)
+        self._running = [multiprocessing.Process(target=cycle_listener, args=ears, daemon=True)]
+        for processor in self._processors:
+            timer = (processor, self.period_ns, self._over, self._timers)
+            self._running.append(multiprocessing.Process(target=idle_timer, args=timer, daemon=True))
+        self._begin_s, self._stolen_s = time.monotonic(), stolen_s()
+        for one in self._running:
+            one.start()
 
-def watch_machine(rate_hz, seconds, result):
-    """Wake-ups of a program that does nothing else, by absolute deadlines: how many, and how many half a period late."""
-    be_punctual(99)
-    begin, woken, late, number = time.monotonic(), 0, 0, 0
-    while number < seconds * rate_hz:
-        number = max(number + 1, math.ceil((time.monotonic() - begin) * rate_hz))
-        due = begin + number / rate_hz
-        time.sleep(max(0.0, due - time.monotonic()))
-        woken += 1
-        late += time.monotonic() - due > 0.5 / rate_hz
-    result.put({"wake_ups": woken, "half_a_period_late": late, "periods_slept_through": number - woken})
+    def figures(self):
+        """Ends them; what the machine did, and which of the cycles left out that explains."""
+        self._over.set()
+        timers = [self._timers.get(timeout=60) for _ in self._processors]
+        found = self._gaps.get(timeout=60)
+        late = [span for _, _, spans in timers for span in spans]
+        return {
+            "machine": machine(timers, stolen_s() - self._stolen_s, time.monotonic() - self._begin_s),
+            "cycles_left_out": misses(found, late, self.period_ns),
+        }
 
 
 def soak(options, folder):
@@ -67,9 +77,8 @@ def soak(options, folder):
     drives = subprocess.Popen(
         [program("glenoid-drives"), "--bus", url, "--profile", options.profile, "--report", report, "--realtime"]
     )
-    bridge = subprocess.Popen([program("glenoid-bridge"), config, "--stats", stats, "--lcm-url", lcm_url, "--quiet"])
-    machine = multiprocessing.Queue()
-    idle = multiprocessing.Process(target=watch_machine, args=(options.rate_hz, 60 * options.minutes, machine))
+    command = [program("glenoid-bridge"), config, "--stats", stats, "--lcm-url", lcm_url, "--quiet"]
+    bridge = subprocess.Popen(command, stdout=sys.stderr)  # its warnings; the JSON is to be alone
     memory = {"bridge": [], "drives": []}
 
     def watch(t):
@@ -77,12 +86,11 @@ def soak(options, folder):
             memory["bridge"].append(memory_kb(bridge))
             memory["drives"].append(memory_kb(drives))
 
-    woken = None
     try:
         source = Publisher(lcm_url)
         source.await_status(10)
         source.arm(60)
-        idle.start()
+        watchers = Watchers(options.rate_hz, lcm_url)
         begin = time.monotonic()
         be_punctual(options.source_priority)
         end = "to the end"
@@ -92,10 +100,8 @@ def soak(options, folder):
             end = f"{error} after {(time.monotonic() - begin) / 60:.1f} min"
         state = STATES[source.status.state]
         events = list(source.events)
-        woken = machine.get(timeout=60) if end == "to the end" else None
+        figures = watchers.figures()
     finally:
-        if idle.is_alive():
-            idle.terminate()
         for one in (bridge, drives):
             one.terminate()
             one.wait()
@@ -105,7 +111,7 @@ def soak(options, folder):
         "state_at_the_end": state,
         "events": events,
         "memory_growth_kB": growth,
-        "machine": woken,
+        **figures,
         "drives": json.loads(report.read_text()),
         "bridge": json.loads(stats.read_text()),
     }
