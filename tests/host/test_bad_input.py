@@ -1,7 +1,14 @@
 """What is refused, and that the message names where, key, value and rule."""
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
 import pytest
 from glenoid.recording import read_recording
+from glenoid.tables import write_csv
 
 GOOD = "start_q_deg: [15, -30, 30, 60]\ntarget_m: [0.2, 0.42, 0.25]\n"
 FILES = {
@@ -24,8 +31,23 @@ FILES = {
     "not a mapping": ("- 1\n- 2\n", ["mapping"]),
     "not YAML": ("a: [1, 2\n", ["YAML"]),
     "empty": ("", ["mapping"]),
-    "key twice": (GOOD + "duration_s: 1\nduration_s: 2\n", ["duration_s", "twice", "line 4"]),
-    "section's key twice": (GOOD + "rhythm: {gain: 1, gain: 0.5}\n", ["gain", "twice", "line 3"]),
+    "key twice": (GOOD + "duration_s: 1\nduration_s: 2\n", ["yaml:4:", "duration_s", "twice"]),
+    "truth for a number": (GOOD + "duration_s: true\n", ["duration_s", "True", "must be a number"]),
+    "truth in a point": ("target_m: [true, 0.4, 0.2]\n", ["target_m.0", "True", "must be a number"]),
+    "quoted number": (GOOD + 'duration_s: "1"\n', ["duration_s", "'1'", "must be a number"]),
+    "truth for a limit": (
+        GOOD + "subject: {limits_deg: {elevation: [false, 90]}}\n",
+        ["limits_deg.elevation.0", "must be a number"],
+    ),
+    "millimetres": ("target_m: [200, 420, 250]\n", ["target_m", "200", "-5 to 5 m", "millimetres"]),
+    "word for a section": (GOOD + "subject: me.yaml\n", ["subject", "me.yaml", "section of keys"]),
+    "list for a key": (GOOD + "? [1, 2]\n: 3\n", ["yaml:3:", "a key must be plain text"]),
+    "mapping for a key": (GOOD + "? {a: 1}\n: 3\n", ["yaml:3:", "a key must be plain text"]),
+    "deep": ("a: " + "[" * 3000 + "]" * 3000 + "\n", ["without end"]),
+    "itself": (GOOD + "subject: &me\n  limits_deg: *me\n", ["limits_deg"]),
+    "no such day": (GOOD + "name: 2020-13-45\n", ["month"]),
+    "two documents": (GOOD + "---\n" + GOOD, ["yaml:3:", "document"]),
+    "section's key twice": (GOOD + "rhythm: {gain: 1, gain: 0.5}\n", ["yaml:3:", "gain", "twice"]),
 }
 
 
@@ -59,6 +81,10 @@ OPTIONS = {
     "two starts": (["--start-q-rad", "0,0,0,1", "--start-q-deg", "0,0,0,60"], ["start_q_deg or start_q_rad"]),
     "rate not finite": (["--rate-hz", "nan"], ["--rate-hz", "nan", "hz", "100000"]),
     "picture of no format": (["--plot", "reach.doc"], ["reach.doc", ".png", ".svg", ".pdf"]),
+    "number with a comma": (["--duration-s", "1,5"], ["--duration-s = '1,5'", "must be a number"]),
+    "number with its unit": (["--gain", "50 %"], ["--gain = '50 %'", "must be a number"]),
+    "limit twice": (["--limits-deg", "plane=0,9", "--limits-deg", "plane=0,8"], ["--limits-deg plane", "twice"]),
+    "word too many": (["a.yaml", "b.yaml"], ["b.yaml"]),
     "missing device": (["--exo", "no_such.yaml"], ["no_such.yaml: No such file"]),
 }
 
@@ -68,8 +94,9 @@ def test_bad_option_is_refused_in_words(run, case):
     arguments, words = OPTIONS[case]
     done = run("plan", *arguments)
     assert done.code == 2
+    assert done.err.startswith("glenoid: ")
     for word in words:
-        assert word in done.err.replace("\n", " ")
+        assert word in done.err
 
 
 SIMULATE = {
@@ -78,6 +105,8 @@ SIMULATE = {
     "before the start": (["--stop-s=-1"], ["--stop-s", "-1 s"]),
     "step not finite": (["--step-s", "nan"], ["--step-s", "nan s", "10 s"]),
     "no step": (["--step-s", "0"], ["--step-s", "0 s", "1e-05"]),
+    "too many steps": (["--step-s", "1e-5", "--stop-s", "3600"], ["--step-s = 1e-05 s", "360000000 steps", "1000000"]),
+    "no such FMI": (["--fmi", "1"], ["--fmi", "'1'", "'2', '3'"]),
 }
 
 
@@ -99,6 +128,7 @@ def test_times_without_end_are_refused(run, case):
         ("simulate", "--plot", "taken.png"),
         ("info", "--exo", "generic_75_75", "--plot", "taken.png"),
         ("plan", "--csv", "no/where.csv"),
+        ("plan", "--csv", "/dev/full"),
         ("plan", "--batch", "taken"),
         ("rehearse", "taken"),
         ("sweep", "taken"),
@@ -186,3 +216,51 @@ def test_yaml_cannot_run_code(run, tmp_path):
     file.write_text(f"name: !!python/object/apply:os.mkdir [{made}]\n", encoding="utf-8")
     assert run("plan", file).code == 2
     assert not made.exists()
+
+
+def test_a_number_may_be_written_as_programs_write_it(run, tmp_path):
+    file = tmp_path / "reach.yaml"
+    file.write_text(GOOD + "rhythm: {smoothing_rad: 1e-1}\nduration_s: 15E-1\n", encoding="utf-8")
+    plain = tmp_path / "plain.yaml"
+    plain.write_text(GOOD + "rhythm: {smoothing_rad: 0.1}\nduration_s: 1.5\n", encoding="utf-8")
+    assert run("plan", file, "--json").json == run("plan", plain, "--json").json
+
+
+def test_names_are_printed_and_drawn_as_they_are(run, tmp_path):
+    name = r"cost $5 [bold]x[/nope] $\frac"
+    file = tmp_path / "reach.yaml"
+    file.write_text(GOOD + f"name: '{name}'\nsubject: {{name: '{name}'}}\n", encoding="utf-8")
+    done = run("plan", file, "--exo", "generic_75_75", "--plot", tmp_path / "reach.png")
+    assert done.code == 0
+    assert name in done.out
+    assert (tmp_path / "reach_exo.png").is_file()
+
+
+def test_a_file_is_there_whole_or_as_it_was(tmp_path):
+    file = tmp_path / "motion.csv"
+    file.write_text("before", encoding="utf-8")
+    unequal = {"a_m": np.zeros(2), "b_m": np.zeros(3)}
+    with pytest.raises(ValueError, match="dimension"):
+        write_csv(unequal, file)
+    assert file.read_text(encoding="utf-8") == "before"
+    assert [path.name for path in tmp_path.iterdir()] == ["motion.csv"]
+
+
+@pytest.mark.parametrize("arguments", [("plan", "--json"), ("plan",), ("info",), ("--help",)], ids=" ".join)
+def test_a_reader_who_leaves_is_no_failure(arguments):
+    command = [sys.executable, "-m", "glenoid", *arguments]
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, check=False)
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_a_full_disk_behind_standard_output_is_named():
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "glenoid", "plan"], stdout=full, stderr=subprocess.PIPE, check=False
+        )
+    assert done.returncode == 2
+    assert done.stderr.startswith(b"glenoid: standard output: ")
+    assert len(done.stderr.splitlines()) == 1

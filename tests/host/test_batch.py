@@ -200,6 +200,25 @@ def test_an_angle_out_of_range_is_named():
         assert word in answer["message"]
 
 
+@pytest.mark.parametrize(
+    "wrong",
+    [{"q0": [True, 0, 0, 1]}, {"q0": ["0.2", 0, 0, 1]}, {"target": [0.2, 0.4, False]}, {"id": True}, {"id": 1.5}],
+    ids=str,
+)
+def test_only_a_number_is_a_number(wrong):
+    (answer,) = solve(GOOD | wrong)
+    assert answer["status"] == "InvalidInput"
+    assert next(iter(wrong)) in answer["message"]
+
+
+@pytest.mark.parametrize("target", [[200, 420, 250], [1e308, 1e308, 0.0]], ids=str)
+def test_a_target_beyond_any_arm_is_named(target):
+    (answer,) = solve(GOOD | {"target": target})
+    assert answer["status"] == "OutOfRange"
+    for word in ("'good'", "target", "5 m", "millimetres"):
+        assert word in answer["message"]
+
+
 def test_a_list_with_byte_order_mark_is_read(run, tmp_path):
     file = tmp_path / "tasks.json"
     file.write_bytes(b"\xef\xbb\xbf" + json.dumps([GOOD]).encode())
@@ -211,7 +230,16 @@ def test_batch_is_deterministic():
     assert first["q"] == second["q"]
 
 
-@pytest.mark.parametrize(("text", "word"), [("{}", "list"), ("[1,", "JSON")])
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("{}", "list"),
+        ("[1,", "JSON"),
+        ('[{"id": 1, "id": 2}]', "id stands twice"),
+        ("[" * 100_000 + "]" * 100_000, "without end"),
+    ],
+    ids=["object", "cut off", "key twice", "deep"],
+)
 def test_bad_batch_file_is_an_input_error(run, tmp_path, text, word):
     file = tmp_path / "tasks.json"
     file.write_text(text, encoding="utf-8")

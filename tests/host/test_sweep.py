@@ -187,6 +187,12 @@ def test_shipped_study_is_valid(run):
 
 
 BAD = {
+    "truth for a count": (STUDY | {"draws": True}, ["draws", "True", "whole number"]),
+    "truth for a bound": (
+        STUDY | {"groups": {"a": {"subject.stature_m": {"min": True, "max": 2}}}},
+        ["groups.a.subject.stature_m", "min", "True", "finite number"],
+    ),
+    "device twice": (STUDY | {"exoskeletons": ["generic_75_75", "generic_75_75"]}, ["exoskeletons", "twice"]),
     "unknown key": ({"drews": 3}, ["drews", "3", "unknown key"]),
     "no draws": ({"draws": 0}, ["draws", "0", "1"]),
     "unknown key of a reach": ({"groups": {"g": {"subject.statur_m": 1.7}}}, ["groups.g", "subject.statur_m", "1.7"]),
@@ -230,3 +236,12 @@ def test_results_that_cannot_be_written_are_an_input_error(run, study_file, tmp_
     done = run("sweep", study_file(STUDY), "--out", tmp_path / "out")
     assert done.code == 2
     assert str(tmp_path / "out") in done.err
+
+
+def test_a_summary_belongs_to_the_rows_beside_it(run, study_file, tmp_path, monkeypatch):
+    arguments = ("sweep", study_file(STUDY), "--out", tmp_path, "--jobs", "1")
+    assert run(*arguments).code == 0
+    monkeypatch.setattr("glenoid.sweep.run.run_case", lambda *_: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        run(*arguments)
+    assert not (tmp_path / "summary.json").exists()

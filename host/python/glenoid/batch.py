@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from glenoid import _core
 from glenoid.devices import Device
 from glenoid.exo import core_exo, follow
-from glenoid.inputs import InputError, ReachInput, Vector3, Vector4, explain
+from glenoid.inputs import MOST_TARGET_M, InputError, ReachInput, Real, Vector3, Vector4, Whole, explain, read_text
 from glenoid.reach import Array
 from glenoid.settings import core_limits, core_prior, core_rhythm, core_subject, mirrored_if_left, with_axial_factor
 from glenoid.within_reach import plan_within_reach
@@ -31,9 +31,9 @@ class TaskSubject(BaseModel):
     """What a task knows of its person beyond the common subject."""
 
     model_config = ConfigDict(extra="forbid")
-    upper_arm_length_m: float | None = None
-    forearm_length_m: float | None = None
-    shoulder_distance_m: float | None = None
+    upper_arm_length_m: Real | None = None
+    forearm_length_m: Real | None = None
+    shoulder_distance_m: Real | None = None
     shoulder_start_m: Vector3 | None = None
 
 
@@ -41,7 +41,7 @@ class Task(BaseModel):
     """One reach of a batch; SI units and rad, points in T. A number that is not finite gives the status NotFinite."""
 
     model_config = ConfigDict(extra="forbid")
-    id: str | int
+    id: str | Whole
     q0: Vector4
     target: Vector3
     q1: Vector4 | None = None
@@ -62,17 +62,31 @@ class Task(BaseModel):
                 if abs(value) > MOST_ANGLE_RAD:
                     rule = "must be within -4 pi to 4 pi; degrees in the file?"
                     return "OutOfRange", f"task {self.id!r}: {name}[{k}] = {value:g} rad: {rule}"
+        if max(map(abs, self.target)) > MOST_TARGET_M:
+            point = ", ".join(f"{value:g}" for value in self.target)
+            rule = f"must lie within -{MOST_TARGET_M:g} to {MOST_TARGET_M:g} m; millimetres in the file?"
+            return "OutOfRange", f"task {self.id!r}: target = ({point}) m: {rule}"
         return None
+
+
+def each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object whose keys differ. ValueError names one that stands twice."""
+    out = dict(pairs)
+    if len(out) < len(pairs):
+        names = [name for name, _ in pairs]
+        raise ValueError(f"{next(name for name in names if names.count(name) > 1)} stands twice in an object")
+    return out
 
 
 def read_tasks(path: Path) -> list[Any]:
     """The list of tasks, unchecked. InputError if the file does not hold a list."""
+    text = read_text(path)
     try:
-        data = json.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from error
+        data = json.loads(text, object_pairs_hook=each_once)
     except ValueError as error:
         raise InputError(f"{path}: not readable as JSON: {error}") from error
+    except RecursionError as error:
+        raise InputError(f"{path}: not readable as JSON: lists within lists without end") from error
     if not isinstance(data, list):
         raise InputError(f"{path}: the top level must be a list of tasks")
     return data

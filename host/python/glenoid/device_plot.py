@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 from glenoid.device_geometry import geometry, rotation
 from glenoid.devices import JOINTS, Device
 from glenoid.exo import DeviceMotion
-from glenoid.plot import ANGLE_COLOURS, ANGLE_LABELS, BLUE, GREEN, GREY, INK, ORANGE, PALE, PURPLE, STYLE
+from glenoid.plot import ANGLE_COLOURS, ANGLE_LABELS, BLUE, GREEN, GREY, INK, ORANGE, PALE, PURPLE, STYLE, plain
 from glenoid.reach import Reach
+from glenoid.tables import whole_file
 
 AXIS_COLOURS = (BLUE, ORANGE, GREEN)
 #: axes that coincide stay visible
@@ -25,7 +26,7 @@ def draw_axes(device: Device, path: Path) -> None:
     """The three shoulder axes at zero in the thorax frame, from behind and from above. InputError for a template."""
     figures = geometry(device)
     axes = (rotation(figures.base_rad) @ figures.axes.T).T
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(STYLE), whole_file(path) as place:
         figure = Figure(figsize=(8.4, 3.9), layout="constrained")
         panels = figure.subplots(1, 3)
         views = ((0, 2, "from behind", "right x", "up z"), (1, 2, "from the right", "forward y", "up z"))
@@ -37,8 +38,10 @@ def draw_axes(device: Device, path: Path) -> None:
         handles, names = panels[0].get_legend_handles_labels()
         figure.legend(handles, names, loc="outside lower center", ncols=4)
         a12, a23 = (np.rad2deg(np.arccos(np.clip(axes[k] @ axes[k + 1], -1, 1))) for k in range(2))
-        figure.suptitle(f"{device.data.name}: axes at zero, {a12:.0f} and {a23:.0f} deg apart", x=0.01, ha="left")
-        figure.savefig(path, dpi=90)
+        figure.suptitle(
+            f"{plain(device.data.name)}: axes at zero, {a12:.0f} and {a23:.0f} deg apart", x=0.01, ha="left"
+        )
+        figure.savefig(place, dpi=90)
 
 
 def draw_axis_view(panel: Axes, axes: np.ndarray, first: int, second: int) -> None:
@@ -98,7 +101,7 @@ def draw_errors(panel: Axes, reach: Reach) -> None:
 
 def draw_motion(reach: Reach, motion: DeviceMotion, path: Path) -> None:
     """Both spaces in time: the arm's angles and the device's joints; outside the joint ranges is grey."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(STYLE), whole_file(path) as place:
         figure = Figure(figsize=(12.6, 6.6), layout="constrained")
         grid = figure.subplots(2, 4, sharex=True)
         draw_arm_angles(grid[0, 0], reach)
@@ -107,5 +110,7 @@ def draw_motion(reach: Reach, motion: DeviceMotion, path: Path) -> None:
             draw_joint(grid[joint // 3, 1 + joint % 3], reach, motion, joint)
         for panel in grid[1]:
             panel.set(xlabel="time (s)", xlim=(0.0, reach.time_s[-1]))
-        figure.suptitle(f"{reach.given.name or 'Reach'} with {motion.device.data.name}", x=0.008, ha="left")
-        figure.savefig(path, dpi=110)
+        figure.suptitle(
+            f"{plain(reach.given.name) or 'Reach'} with {plain(motion.device.data.name)}", x=0.008, ha="left"
+        )
+        figure.savefig(place, dpi=110)

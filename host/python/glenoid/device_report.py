@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from glenoid import _core
 from glenoid.device_geometry import axes_of, geometry
 from glenoid.devices import JOINTS, Device
-from glenoid.exo import DeviceMotion, coverage
+from glenoid.exo import Coverage, DeviceMotion, coverage
 from glenoid.inputs import InputError, SubjectInput
 from glenoid.reach import Array
 from glenoid.report import two_columns
@@ -33,19 +34,15 @@ def print_scaling(console: Console, subject: SubjectInput) -> None:
     """Which figure of a person came from where, and how many were not measured."""
     entries = scaling_report(subject)
     given = sum("given" in entry["source"] for entry in entries)
-    console.print(f"\n[bold]Subject {subject.name}[/bold] ({subject.arm} arm)", highlight=False)
+    console.print(Text.assemble("\n", (f"Subject {subject.name}", "bold"), f" ({subject.arm} arm)"))
     if given < len(entries):
-        console.print(
-            f"[bold yellow]SCALED[/bold yellow]  {len(entries) - given} of {len(entries)} figures are not this "
-            "person's own: they come from the tables named below",
-            highlight=False,
-            soft_wrap=True,
-        )
+        rest = f"  {len(entries) - given} of {len(entries)} figures are not this person's own: they come from the tables named below"
+        console.print(Text.assemble(("SCALED", "bold yellow"), rest), soft_wrap=True)
     table = Table("figure", "value", "unit", "source", box=None, pad_edge=False, title_justify="left")
     for entry in entries:
         style = None if "given" in entry["source"] else "yellow"
         table.add_row(entry["name"], f"{entry['value']:.5g}", entry["unit"], entry["source"], style=style)
-    console.print(table, highlight=False)
+    console.print(table)
 
 
 def device_to_json(device: Device, subject: SubjectInput) -> dict[str, Any]:
@@ -75,25 +72,27 @@ def value_text(value: Any) -> str:
 
 
 def print_device(console: Console, device: Device, subject: SubjectInput) -> None:
-    """Figures with their statuses, and the coverage of a person's postures."""
+    """Figures with their statuses, and the coverage of a person's postures. InputError before anything is printed."""
     data = device.data
-    console.print(f"[bold]{data.name}[/bold]  {data.note}", highlight=False, soft_wrap=True)
+    share = None if device.missing else coverage(device, subject)
+    console.print(Text.assemble((data.name, "bold"), f"  {data.note}"), soft_wrap=True)
     table = Table("figure", "value", "status", "source", box=None, pad_edge=False)
     for figure in device.figures:
         style = "bold red" if figure in device.missing else None
         table.add_row(figure.key, value_text(figure.value), figure.status, figure.source, style=style)
-    console.print(table, highlight=False)
+    console.print(table)
     counts = Counter(figure.status for figure in device.figures)
-    console.print("  ".join(f"{name}: {count}" for name, count in sorted(counts.items())), highlight=False)
-    if device.missing:
-        console.print("[bold red]TEMPLATE[/bold red]  nothing is planned before the red figures are filled in")
+    console.print("  ".join(f"{name}: {count}" for name, count in sorted(counts.items())))
+    if share is None:
+        console.print(
+            Text.assemble(("TEMPLATE", "bold red"), "  nothing is planned before the red figures are filled in")
+        )
         return
-    print_coverage(console, device, subject)
+    print_coverage(console, device, share)
 
 
-def print_coverage(console: Console, device: Device, subject: SubjectInput) -> None:
+def print_coverage(console: Console, device: Device, share: Coverage) -> None:
     """Shares of a person's postures."""
-    share = coverage(device, subject)
     a1, a2, a3 = geometry(device).axes
     table = two_columns()
     angles = (np.rad2deg(np.arccos(np.clip(first @ second, -1, 1))) for first, second in ((a1, a2), (a2, a3)))
@@ -103,8 +102,8 @@ def print_coverage(console: Console, device: Device, subject: SubjectInput) -> N
     table.add_row("with 10 deg margin", f"{100 * share.with_margin:.1f} %")
     table.add_row("also within the joint ranges", f"{100 * share.within_ranges:.1f} %")
     table.add_row("nearer than 5 deg to singular", f"{100 * share.near_singular:.1f} % of those reached")
-    console.print("[bold]Coverage[/bold]")
-    console.print(table, highlight=False)
+    console.print(Text("Coverage", "bold"))
+    console.print(table)
 
 
 def print_motion(console: Console, motion: DeviceMotion, samples: dict[str, Array]) -> None:
@@ -117,11 +116,11 @@ def print_motion(console: Console, motion: DeviceMotion, samples: dict[str, Arra
         stated = "not stated" if abs(bounds[0]) > 1e9 else f"{bounds[0]:.0f} .. {bounds[1]:.0f}"
         figures = (q[0, k], q[-1, k], q[:, k].min(), q[:, k].max())
         table.add_row(name, *(f"{value:.1f}" for value in figures), stated, f"{np.abs(dq[:, k]).max():.1f}")
-    console.print(f"[bold]Exoskeleton {motion.device.data.name}[/bold]", highlight=False)
-    console.print(table, highlight=False)
+    console.print(Text(f"Exoskeleton {motion.device.data.name}", "bold"))
+    console.print(table)
     lines = two_columns()
     lines.add_row("least distance to the edge of reach", f"{np.rad2deg(found['least_margin_rad']):.1f} deg")
     lines.add_row("least distance to singular", f"{np.rad2deg(found['least_singularity_rad']):.1f} deg")
     lines.add_row("girdle residual", f"{found['largest_residual_mm']:.1f} mm (what the girdle drives cannot follow)")
     lines.add_row("misalignment if the shoulder were fixed", f"{found['largest_misalignment_mm']:.1f} mm")
-    console.print(lines, highlight=False)
+    console.print(lines)

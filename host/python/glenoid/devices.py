@@ -11,7 +11,18 @@ import numpy as np
 import yaml
 from pydantic import Field, ValidationError, ValidationInfo, field_validator
 
-from glenoid.inputs import InputError, Range, Strict, Vector3
+from glenoid.inputs import (
+    InputError,
+    Range,
+    Real,
+    Strict,
+    Truth,
+    Vector3,
+    Whole,
+    parse_mapping,
+    read_text,
+    rule_of,
+)
 
 FILL = "user must fill in"
 FOLDER = Path(__file__).parent / "data" / "exoskeletons"
@@ -28,13 +39,13 @@ class ShoulderInput(Strict):
     """Three axes through one point: unit vectors, or the angles between them."""
 
     axes: Axes | None = Field(default=None, description="unit vectors of joints 1..3 in the base frame at zero")
-    a12_deg: float | None = Field(default=None, ge=1.0, le=179.0, description="angle between axes 1 and 2")
-    a12_rad: float | None = Field(default=None, ge=np.deg2rad(1.0), le=np.deg2rad(179.0))
-    a23_deg: float | None = Field(default=None, ge=1.0, le=179.0, description="angle between axes 2 and 3")
-    a23_rad: float | None = Field(default=None, ge=np.deg2rad(1.0), le=np.deg2rad(179.0))
-    twist_deg: float | None = Field(default=None, description="turn of axis 3 about axis 2 out of the plane of 1 and 2")
-    twist_rad: float | None = None
-    min_singularity_deg: float = Field(default=0.0, ge=0.0, lt=90.0, description="paths nearer to singular are refused")
+    a12_deg: Real | None = Field(default=None, ge=1.0, le=179.0, description="angle between axes 1 and 2")
+    a12_rad: Real | None = Field(default=None, ge=np.deg2rad(1.0), le=np.deg2rad(179.0))
+    a23_deg: Real | None = Field(default=None, ge=1.0, le=179.0, description="angle between axes 2 and 3")
+    a23_rad: Real | None = Field(default=None, ge=np.deg2rad(1.0), le=np.deg2rad(179.0))
+    twist_deg: Real | None = Field(default=None, description="turn of axis 3 about axis 2 out of the plane of 1 and 2")
+    twist_rad: Real | None = None
+    min_singularity_deg: Real = Field(default=0.0, ge=0.0, lt=90.0, description="paths nearer to singular are refused")
 
     @field_validator("axes")
     @classmethod
@@ -60,17 +71,24 @@ class GirdleInput(Strict):
 
     drives: Literal["Full", "NoLength", "VerticalOnly", "NoDrives"] = "Full"
     order: Literal["ProtractionFirst", "ElevationFirst"] = "ProtractionFirst"
-    base_follows: bool = Field(default=False, description="the girdle turns the shoulder axes; false: parallelogram")
-    link_m: float = Field(default=0.0, ge=0.0, le=1.0, description="fixed length; 0 = that of the start posture")
+    base_follows: Truth = Field(default=False, description="the girdle turns the shoulder axes; false: parallelogram")
+    link_m: Real = Field(default=0.0, ge=0.0, le=1.0, description="fixed length; 0 = that of the start posture")
 
 
 class GearInput(Strict):
     """From drive counts to a joint angle: angle = sign * 2 pi * counts / (counts per turn * ratio) + offset."""
 
-    ratio: float = Field(gt=0.0, description="turns of the encoder per turn of the joint")
+    ratio: Real = Field(gt=0.0, description="turns of the encoder per turn of the joint")
     sign: Literal[-1, 1]
-    encoder_counts_per_turn: int = Field(gt=0)
-    offset_rad: float = 0.0
+    encoder_counts_per_turn: Whole = Field(gt=0)
+    offset_rad: Real = 0.0
+
+    @field_validator("sign", mode="before")
+    @classmethod
+    def _number(cls, sign: Any) -> Any:
+        if isinstance(sign, bool):
+            raise ValueError("must be -1 or 1")
+        return sign
 
 
 class JointInput(Strict):
@@ -166,16 +184,12 @@ class Reader:
         return self.lines.get(key, 1)
 
     def number_lines(self, node: yaml.Node | None, key: str = "") -> None:
-        """Line of every key; a key that stands twice is an error."""
+        """Line of every key of a tree that parse_mapping took."""
         if not isinstance(node, yaml.MappingNode):
             return
-        seen = set()
         for name, value in node.value:
             inner = key if name.value == "value" else f"{key}.{name.value}".lstrip(".")
             self.lines.setdefault(inner, name.start_mark.line + 1)
-            if name.value in seen:
-                raise InputError(f"{self.path}:{name.start_mark.line + 1}: {inner}: stands twice in its section")
-            seen.add(name.value)
             self.number_lines(value, inner)
 
     def plain(self, data: Any, key: str = "") -> Any:
@@ -226,9 +240,8 @@ def problems_of(error: ValidationError, reader: Reader) -> Iterator[str]:
     """File, line, key, value, unit and rule, a line per problem."""
     for item in error.errors():
         key = key_of(item["loc"])
-        rule = "unknown key" if item["type"] == "extra_forbidden" else item["msg"].removeprefix("Value error, ")
         value = "" if item["type"] == "missing" else f" = {item['input']!r}{unit_of(key)}"
-        yield f"{reader.path}:{reader.line(key.partition('[')[0])}: {key}{value if len(value) < 120 else ''}: {rule}"
+        yield f"{reader.path}:{reader.line(key.partition('[')[0])}: {key}{value if len(value) < 120 else ''}: {rule_of(item)}"
 
 
 def rules_between(data: DeviceInput, missing: set[str]) -> Iterator[tuple[str, str]]:
@@ -263,14 +276,12 @@ def in_rad(section: Strict, name: str) -> Any:
 def parse_device(text: str, path: Path) -> Device:
     """A device from YAML text. InputError with file, line, key, value, unit and rule, a line per problem."""
     reader = Reader(path)
+    data = parse_mapping(text, path)
     try:
         reader.number_lines(yaml.compose(text, Loader=yaml.SafeLoader))
-        data = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise InputError(f"{path}: not readable as YAML: {' '.join(str(error).split())}") from error
-    if not isinstance(data, dict):
-        raise InputError(f"{path}: the top level must be a mapping of keys to values")
-    plain = reader.plain(data)
+        plain = reader.plain(data)
+    except RecursionError as error:
+        raise InputError(f"{path}: a section must not contain itself") from error
     try:
         device = DeviceInput.model_validate(without_missing(plain))
     except ValidationError as error:
@@ -293,9 +304,4 @@ def load_device(name_or_file: str | Path) -> Device:
         path = FOLDER / f"{name_or_file}.yaml"
         if not path.is_file():
             raise InputError(f"exo = {str(name_or_file)!r}: must be a YAML file or one of {', '.join(device_names())}")
-    try:
-        return parse_device(path.read_text(encoding="utf-8"), path)
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not readable as YAML: {error}") from error
+    return parse_device(read_text(path), path)

@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
-Vector3 = tuple[float, float, float]
-Vector4 = tuple[float, float, float, float]
-Range = tuple[float, float]
+#: numbers and truth values as they are: `true` is no 1, "1" no number, 1 no `true`
+Real = Annotated[float, Field(strict=True)]
+Whole = Annotated[int, Field(strict=True)]
+Truth = Annotated[bool, Field(strict=True)]
+Vector3 = tuple[Real, Real, Real]
+Vector4 = tuple[Real, Real, Real, Real]
+Range = tuple[Real, Real]
 RhythmName = Literal["Fixed", "SoltaniZarrin2017", "Measured"]
 SwivelName = Literal["MinimumEnergy", "Prescribed", "HumanPrior"]
 MetricName = Literal["movingShoulder", "fixedShoulder"]
 TimingName = Literal["MinimumJerkRiemannian", "MinimumJerkHand", "MinimumJerkHoming"]
+#: coordinates of a target lie within this, m, as in the FMU: farther than any arm, and nearer than millimetres taken for metres
+MOST_TARGET_M = 5.0
 
 
 class InputError(ValueError):
@@ -49,17 +56,17 @@ class SubjectInput(Strict):
 
     name: str = ""
     note: str = ""
-    stature_m: float = 1.75
-    mass_kg: float = 75.0
+    stature_m: Real = 1.75
+    mass_kg: Real = 75.0
     sex: Literal["male", "female"] = "male"
     arm: Literal["right", "left"] = "right"
-    upper_arm_length_m: float | None = None
-    forearm_length_m: float | None = Field(default=None, description="elbow to wrist centre")
-    shoulder_distance_m: float | None = Field(default=None, description="sternoclavicular joint to shoulder centre")
-    upper_arm_mass_kg: float | None = None
-    forearm_mass_kg: float | None = Field(default=None, description="forearm and hand together")
-    upper_arm_com_m: float | None = None
-    forearm_com_m: float | None = None
+    upper_arm_length_m: Real | None = None
+    forearm_length_m: Real | None = Field(default=None, description="elbow to wrist centre")
+    shoulder_distance_m: Real | None = Field(default=None, description="sternoclavicular joint to shoulder centre")
+    upper_arm_mass_kg: Real | None = None
+    forearm_mass_kg: Real | None = Field(default=None, description="forearm and hand together")
+    upper_arm_com_m: Real | None = None
+    forearm_com_m: Real | None = None
     upper_arm_inertia_kg_m2: Vector3 | None = None
     forearm_inertia_kg_m2: Vector3 | None = None
     limits_deg: LimitsInput = LimitsInput()
@@ -68,26 +75,26 @@ class SubjectInput(Strict):
 class MeasuredRhythmInput(Strict):
     """Coefficients of the rhythm Measured, as `glenoid validate --fit` writes them."""
 
-    slope_m: Annotated[list[float], Field(min_length=9, max_length=9)]
-    shoulder_distance_m: Annotated[float, Field(gt=0.0)]
+    slope_m: Annotated[list[Real], Field(min_length=9, max_length=9)]
+    shoulder_distance_m: Annotated[Real, Field(gt=0.0)]
 
 
 class PriorInput(Strict):
     """Coefficients of the swivel mode HumanPrior, as `glenoid validate --fit` writes them."""
 
-    height_rad: float
-    lateral_rad: float
-    regression: Annotated[float, Field(ge=0.0, le=1.0)]
-    common_rad: float
-    effort: Annotated[float, Field(ge=0.0)] = 0.02
+    height_rad: Real
+    lateral_rad: Real
+    regression: Annotated[Real, Field(ge=0.0, le=1.0)]
+    common_rad: Real
+    effort: Annotated[Real, Field(ge=0.0)] = 0.02
 
 
 class RhythmInput(Strict):
     """Shoulder-girdle rhythm."""
 
     model: RhythmName = "SoltaniZarrin2017"
-    gain: float = 1.0
-    smoothing_rad: float = 0.1
+    gain: Real = 1.0
+    smoothing_rad: Real = 0.1
     measured: MeasuredRhythmInput | None = None
 
 
@@ -95,7 +102,7 @@ class SwivelInput(Strict):
     """Choice of the final posture."""
 
     mode: SwivelName = "MinimumEnergy"
-    prescribed_rad: float = 0.2
+    prescribed_rad: Real = 0.2
     prior: PriorInput | None = None
 
 
@@ -118,12 +125,12 @@ class ReachInput(Strict):
     start_q_rad: Vector4 | None = Field(default=None, description="the same, rad; give one of the two")
     start_shoulder_m: Vector3 | None = Field(default=None, description="measured shoulder centre at the start, in T")
     target_m: Vector3 = Field(default=(0.20, 0.42, 0.25), description="wrist target in the thorax frame T")
-    duration_s: Annotated[float, Field(ge=0.05, le=60.0)] = 1.5
+    duration_s: Annotated[Real, Field(ge=0.05, le=60.0)] = 1.5
     subject: SubjectInput = SubjectInput()
     rhythm: RhythmInput = RhythmInput()
     swivel: SwivelInput = SwivelInput()
     metric: MetricName = "movingShoulder"
-    axial_factor: Annotated[float, Field(ge=1.0, le=5.0)] | None = Field(
+    axial_factor: Annotated[Real, Field(ge=1.0, le=5.0)] | None = Field(
         default=None, description="price of turning in the metric; 1 = kinetic energy; none = 3 with HumanPrior, else 1"
     )
     timing: TimingName = "MinimumJerkRiemannian"
@@ -135,6 +142,13 @@ class ReachInput(Strict):
             raise ValueError("give start_q_deg or start_q_rad, not both")
         return self
 
+    @field_validator("target_m")
+    @classmethod
+    def _within_a_room(cls, target_m: Vector3) -> Vector3:
+        if max(map(abs, target_m)) > MOST_TARGET_M:
+            raise ValueError(f"must lie within -{MOST_TARGET_M:g} to {MOST_TARGET_M:g} m; millimetres?")
+        return target_m
+
     @property
     def start_rad(self) -> Vector4:
         """Start posture (theta, eta, zeta, phi), rad."""
@@ -144,41 +158,86 @@ class ReachInput(Strict):
         return float(theta), float(eta), float(zeta), float(phi)
 
 
+#: pydantic's kinds of error whose own words speak of Python
+RULES = {
+    "extra_forbidden": "unknown key",
+    "missing": "is missing",
+    "tuple_type": "must be a list of numbers",
+    "list_type": "must be a list",
+    "dict_type": "must be a section of keys",
+    "model_type": "must be a section of keys",
+    "invalid_key": "a key must be text",
+    "float_type": "must be a number",
+    "int_type": "must be a whole number",
+    "bool_type": "must be true or false",
+    "string_type": "must be text",
+    "recursion_loop": "must not contain itself",
+}
+
+
+def rule_of(problem: Any) -> str:
+    """What a problem of pydantic's breaks, in words of the file."""
+    return RULES.get(problem["type"]) or str(problem["msg"]).removeprefix("Value error, ")
+
+
 def explain(error: ValidationError, origin: str) -> InputError:
     """The same error in one line per problem: where, key, value, rule."""
     lines = []
     for item in error.errors():
         key = "".join(f": {part}" if k == 0 else f".{part}" for k, part in enumerate(item["loc"]))
-        rule = "unknown key" if item["type"] == "extra_forbidden" else item["msg"].removeprefix("Value error, ")
         value = f" = {item['input']!r}" if item["loc"] and item["type"] != "missing" else ""
-        lines.append(f"{origin}{key}{value if len(value) < 120 else ''}: {rule}")
+        lines.append(f"{origin}{key}{value if len(value) < 120 else ''}: {rule_of(item)}")
     return InputError("\n".join(lines))
 
 
 class OnceLoader(yaml.SafeLoader):
-    """Plain YAML in which a key that stands twice is an error, not the last one's victory."""
+    """Plain YAML in which a key that stands twice is an error, not the last one's victory, and 1e-3 is a number."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        """A mapping whose keys differ."""
+        """A mapping whose keys are plain and differ."""
         seen: set[Any] = set()
         for key, _ in node.value:
+            if not isinstance(key, yaml.ScalarNode):
+                raise yaml.constructor.ConstructorError(None, None, "a key must be plain text", key.start_mark)
             if key.value in seen:
                 raise yaml.constructor.ConstructorError(None, None, f"{key.value} stands twice", key.start_mark)
             seen.add(key.value)
         return super().construct_mapping(node, deep)
 
 
-def read_mapping(path: Path) -> dict[str, Any]:
-    """A YAML file whose top level is a mapping. InputError if it is not."""
+OnceLoader.add_implicit_resolver(
+    "tag:yaml.org,2002:float", re.compile(r"[-+]?(\.\d+|\d+(\.\d*)?)[eE][-+]?\d+\Z"), list("-+.0123456789")
+)
+
+
+def parse_mapping(text: str, path: Path) -> dict[str, Any]:
+    """YAML text whose top level is a mapping. InputError names `path` if it is not."""
     try:
-        data = yaml.load(path.read_text(encoding="utf-8"), Loader=OnceLoader)
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not readable as YAML: {' '.join(str(error).split())}") from error
+        data = yaml.load(text, Loader=OnceLoader)
+    except (yaml.YAMLError, ValueError) as error:
+        mark, problem = getattr(error, "problem_mark", None), getattr(error, "problem", None)
+        line = f":{mark.line + 1}" if mark is not None else ""
+        raise InputError(f"{path}{line}: not readable as YAML: {problem or error}") from error
+    except RecursionError as error:
+        raise InputError(f"{path}: not readable as YAML: sections within sections without end") from error
     if not isinstance(data, dict):
         raise InputError(f"{path}: the top level must be a mapping of keys to values")
     return data
+
+
+def read_text(path: Path) -> str:
+    """A text file in UTF-8, with or without a byte order mark. InputError names it if it cannot be read."""
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: is no text in UTF-8: {error.reason} at byte {error.start}") from error
+
+
+def read_mapping(path: Path) -> dict[str, Any]:
+    """A YAML file whose top level is a mapping. InputError if it is not."""
+    return parse_mapping(read_text(path), path)
 
 
 def merged(base: Mapping[str, Any], extra: Mapping[str, Any]) -> dict[str, Any]:

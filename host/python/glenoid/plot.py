@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 
 from glenoid.findings import warnings_for
 from glenoid.reach import Array, Reach
+from glenoid.tables import whole_file
 
 # Okabe and Ito's palette: distinct with every common colour vision.
 INK, GREY, PALE = "#1b1f24", "#7a828c", "#d9dde2"
@@ -191,15 +192,20 @@ def compose(reach: Reach) -> Figure:
 
 
 def draw_reach(reach: Reach, path: Path) -> None:
-    """Writes the picture of a planned reach; the format follows the suffix of `path`."""
-    with mpl.rc_context(STYLE):
-        compose(reach).savefig(path, dpi=110)
+    """Writes the picture of a planned reach; the format follows the suffix of `path`. InputError if it cannot be written."""
+    with mpl.rc_context(STYLE), whole_file(path) as place:
+        compose(reach).savefig(place, dpi=110)
+
+
+def plain(text: str) -> str:
+    """Text in which a dollar sign begins no formula."""
+    return text.replace("$", r"\$")
 
 
 def headline(reach: Reach) -> str:
     """Name, choices and, if there are any, the warnings."""
     given = reach.given
     swivel = np.rad2deg(reach.samples["swivel_rad"][-1])
-    text = f"{given.name or 'Reach'}: {given.swivel.mode}, swivel {swivel:.1f} deg, "
+    text = f"{plain(given.name) or 'Reach'}: {given.swivel.mode}, swivel {swivel:.1f} deg, "
     text += f"rhythm {given.rhythm.model}, gain {given.rhythm.gain:g}"
     return text + "".join(f"\nWARNING: {line}" for line in warnings_for(reach))

@@ -5,10 +5,25 @@ from __future__ import annotations
 import numpy as np
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from glenoid.findings import describe_margin, describe_refusal, warnings_for
 from glenoid.reach import Reach, Verification
 from glenoid.tables import ANGLES
+
+
+class Printer(Console):
+    """Standard output for people: text as it is, whatever brackets are in it.
+
+    A reader who leaves (`| head`) raises BrokenPipeError, as `print` does.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(markup=False)
+
+    def on_broken_pipe(self) -> None:
+        """See Console, which would end the process with status 1."""
+        raise BrokenPipeError
 
 
 def degrees(values: np.ndarray) -> str:
@@ -31,9 +46,9 @@ def two_columns() -> Table:
 
 def print_reach(console: Console, reach: Reach, verification: Verification | None) -> None:
     """Result, certificate and warnings of a reach."""
-    console.print(f"[bold]{reach.given.name or 'Reach'}[/bold]", highlight=False)
+    console.print(Text(reach.given.name or "Reach", "bold"))
     if not reach.ok:
-        console.print(f"[bold red]REFUSED  {reach.status}[/bold red]: {describe_refusal(reach)}", highlight=False)
+        console.print(Text.assemble((f"REFUSED  {reach.status}", "bold red"), f": {describe_refusal(reach)}"))
         return
     samples = reach.samples
     table = two_columns()
@@ -46,11 +61,11 @@ def print_reach(console: Console, reach: Reach, verification: Verification | Non
     table.add_row("energy 1/2 q'Mq'", f"{reach.generator.path.energy_kg_m2:.6f} kg m2 (path parameter 0..1)")
     speed = np.rad2deg(np.abs(samples["dq_rad_per_s"]).max(axis=0))
     table.add_row("peak speeds (deg/s)", "  ".join(f"{n} {v:.1f}" for n, v in zip(ANGLES, speed, strict=True)))
-    console.print(table, highlight=False)
-    console.print("[bold]Certificate[/bold]")
-    console.print(certificate_table(reach, verification), highlight=False)
+    console.print(table)
+    console.print(Text("Certificate", "bold"))
+    console.print(certificate_table(reach, verification))
     for line in warnings_for(reach):
-        console.print(f"[bold yellow]WARNING[/bold yellow]  {line}", highlight=False)
+        console.print(Text.assemble(("WARNING", "bold yellow"), f"  {line}"))
 
 
 def certificate_table(reach: Reach, verification: Verification | None) -> Table:

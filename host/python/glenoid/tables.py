@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ import numpy as np
 from glenoid import _core
 from glenoid.devices import JOINTS
 from glenoid.findings import ANGLE_NAMES, describe_refusal, warnings_for
+from glenoid.inputs import InputError
 from glenoid.reach import Array, Reach, Verification
 
 ANGLES = ("theta", "eta", "zeta", "phi")
@@ -42,9 +45,32 @@ def device_columns(samples: dict[str, Array]) -> dict[str, Array]:
     return columns | {name: samples[name] for name in names if name in samples}
 
 
+@contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """Where to write a file that appears under its name when all is in it; a device or pipe is its own place.
+
+    Raises:
+        InputError: it cannot be written; what was there before is as it was.
+
+    """
+    ordinary = path.is_file() or not path.exists()
+    place = path.with_name(f".part-{path.name}") if ordinary else path
+    try:
+        yield place
+        if ordinary:
+            place.replace(path)
+    except BrokenPipeError:  # a reader of --csv /dev/stdout who has seen enough
+        raise
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}") from error
+    finally:
+        if ordinary:
+            place.unlink(missing_ok=True)
+
+
 def write_csv(columns: dict[str, Array], path: Path) -> None:
-    """Columns of equal length, full precision."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    """Columns of equal length, full precision. InputError if the file cannot be written."""
+    with whole_file(path) as place, place.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(columns)
         writer.writerows(np.column_stack(list(columns.values())).tolist())

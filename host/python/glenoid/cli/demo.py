@@ -21,5 +21,5 @@ def demo(
 
     Example: glenoid demo --picture reach.png
     """
-    if not run_demo(Console(), picture):
+    if not run_demo(Console(highlight=False), picture):
         raise typer.Exit(1)

@@ -18,7 +18,7 @@ from glenoid.device_schema import device_schema
 from glenoid.devices import device_names, load_device
 from glenoid.fmus import FILES, fmu_folder, sha256
 from glenoid.inputs import InputError, ReachInput, SubjectInput, load_subject
-from glenoid.report import two_columns
+from glenoid.report import Printer, two_columns
 from glenoid.settings import check_subject
 from glenoid.sweep.study import Study
 
@@ -97,8 +97,8 @@ def info(
     if as_json:
         print(json.dumps(data, allow_nan=False))
     else:
-        print_info(Console(), data)
-        print_scaling(Console(), person)
+        print_info(Printer(), data)
+        print_scaling(Printer(), person)
 
 
 def show_device(exo: str, person: SubjectInput, plot: Path | None, as_json: bool) -> None:
@@ -111,7 +111,7 @@ def show_device(exo: str, person: SubjectInput, plot: Path | None, as_json: bool
     if as_json:
         print(json.dumps(device_to_json(device, person), allow_nan=False))
     else:
-        print_device(Console(), device, person)
+        print_device(Printer(), device, person)
 
 
 def names(available: dict[str, bool]) -> str:
@@ -131,4 +131,4 @@ def print_info(console: Console, data: dict[str, Any]) -> None:
     table.add_row("exoskeletons", ", ".join(data["exoskeletons"]))
     for name, (lower, upper) in data["limits_deg"].items():
         table.add_row(f"limit {name}", f"{lower:g} .. {upper:g} deg")
-    console.print(table, highlight=False)
+    console.print(table)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,7 @@ import typer
 from glenoid.inputs import InputError, ReachInput, build_reach, laid_over, load_subject, merged, read_mapping
 
 PICTURES = (".png", ".svg", ".pdf")
+UNITS = ("-s", "-rad", "-hz")
 
 
 def picture(path: Path | None) -> Path | None:
@@ -22,16 +24,39 @@ def picture(path: Path | None) -> Path | None:
     return path
 
 
+def number(text: str) -> float:
+    """A number of an option. ValueError for words."""
+    try:
+        return float(text)
+    except ValueError:
+        raise ValueError(f"= {text!r}: must be a number") from None
+
+
+def whole_number(text: str) -> int:
+    """A whole number of an option. ValueError for anything else."""
+    try:
+        return int(text)
+    except ValueError:
+        raise ValueError(f"= {text!r}: must be a whole number") from None
+
+
 def within(least: float, most: float) -> Callable[[typer.CallbackParam, float | None], float | None]:
     """A callback that refuses what is not in a range, and NaN; the option's name says the unit."""
 
     def check(option: typer.CallbackParam, value: float | None) -> float | None:
         if value is not None and not least <= value <= most:
-            unit = option.opts[0].rpartition("-")[2]
-            raise InputError(f"{option.opts[0]} = {value:g} {unit}: must be {least:g} to {most:g} {unit}")
+            name = option.opts[0]
+            unit = f" {name.rpartition('-')[2]}" if name.endswith(UNITS) else ""
+            raise InputError(f"{name} = {value:g}{unit}: must be {least:g} to {most:g}{unit}")
         return value
 
     return check
+
+
+def quantity(name: str, help_text: str, least: float = -math.inf, most: float = math.inf) -> Any:
+    """An option that takes a number; where the range is given here, NaN and what lies outside are refused."""
+    check = within(least, most) if math.isfinite(most - least) else None
+    return typer.Option(name, parser=number, callback=check, metavar="NUMBER", help=help_text)
 
 
 ReachFile = Annotated[Path | None, typer.Argument(help="Reach as YAML (host/examples); options go over it.")]
@@ -39,20 +64,20 @@ SubjectFile = Annotated[Path | None, typer.Option("--subject", help="Subject as 
 StartDeg = Annotated[str | None, typer.Option("--start-q-deg", help="Start posture theta,eta,zeta,phi in deg.")]
 StartRad = Annotated[str | None, typer.Option("--start-q-rad", help="Start posture theta,eta,zeta,phi in rad.")]
 Target = Annotated[str | None, typer.Option("--target-m", help="Wrist target x,y,z in the thorax frame, m.")]
-Duration = Annotated[float | None, typer.Option("--duration-s", help="Duration of the movement, s.")]
+Duration = Annotated[float | None, quantity("--duration-s", "Duration of the movement, 0.05..60 s.")]
 Rhythm = Annotated[str | None, typer.Option(help="Shoulder rhythm: Fixed, SoltaniZarrin2017, Measured.")]
-Gain = Annotated[float | None, typer.Option(help="Scale of the rhythm's displacement, 0..1.5.")]
-Smoothing = Annotated[float | None, typer.Option("--smoothing-rad", help="Smoothing at the hanging arm, 0..0.3 rad.")]
+Gain = Annotated[float | None, quantity("--gain", "Scale of the rhythm's displacement, 0..1.5.")]
+Smoothing = Annotated[float | None, quantity("--smoothing-rad", "Smoothing at the hanging arm, 0..0.3 rad.")]
 Metric = Annotated[str | None, typer.Option(help="Kinetic energy with movingShoulder or fixedShoulder.")]
 AxialFactor = Annotated[
     float | None,
-    typer.Option(
+    quantity(
         "--axial-factor",
-        help="Price of turning in the metric, 1..5; 1 = kinetic energy. Default: 3 with HumanPrior, else 1.",
+        "Price of turning in the metric, 1..5; 1 = kinetic energy. Default: 3 with HumanPrior, else 1.",
     ),
 ]
 Swivel = Annotated[str | None, typer.Option(help="Final posture: MinimumEnergy, Prescribed, HumanPrior.")]
-SwivelRad = Annotated[float | None, typer.Option("--swivel-prescribed-rad", help="Swivel angle of Prescribed, rad.")]
+SwivelRad = Annotated[float | None, quantity("--swivel-prescribed-rad", "Swivel angle of Prescribed, rad.")]
 Timing = Annotated[str | None, typer.Option(help="MinimumJerkRiemannian, MinimumJerkHand or MinimumJerkHoming.")]
 ExoName = Annotated[str | None, typer.Option("--exo", help="Exoskeleton: NAME of a shipped one, or FILE.yaml.")]
 Limits = Annotated[
@@ -92,6 +117,8 @@ def limit_ranges(entries: list[str] | None) -> dict[str, Any]:
     ranges: dict[str, Any] = {}
     for entry in entries or []:
         name, _, text = entry.partition("=")
+        if name in ranges:
+            raise InputError(f"--limits-deg {name}: stands twice")
         ranges[name] = numbers(text, 2, f"--limits-deg {name}")
     return ranges
 

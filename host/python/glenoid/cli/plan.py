@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
 
 from glenoid.batch import read_tasks, run_batch
 from glenoid.cli import options as opt
@@ -17,7 +16,7 @@ from glenoid.devices import JOINTS, load_device
 from glenoid.exo import DeviceMotion, core_exo, follow
 from glenoid.inputs import InputError, ReachInput
 from glenoid.reach import Reach, Verification, plan_reach, verify
-from glenoid.report import print_reach
+from glenoid.report import Printer, print_reach
 from glenoid.tables import device_columns, motion_columns, reach_to_json, to_text, write_csv
 
 
@@ -25,9 +24,7 @@ from glenoid.tables import device_columns, motion_columns, reach_to_json, to_tex
 def plan(
     asked: opt.Asked,
     exo: opt.ExoName = None,
-    rate_hz: Annotated[
-        float, typer.Option("--rate-hz", callback=opt.within(1.0, 1e5), help="Samples per second, 1..1e5 Hz.")
-    ] = 100.0,
+    rate_hz: Annotated[float, opt.quantity("--rate-hz", "Samples per second, 1..1e5 Hz.", 1.0, 1e5)] = 100.0,
     check: Annotated[bool, typer.Option("--verify", help="Shoot the path with CVODE; exit 1 if it misses.")] = False,
     batch: Annotated[Path | None, typer.Option(help="JSON list of tasks; prints a JSON list of answers.")] = None,
     as_json: opt.AsJson = False,
@@ -91,7 +88,7 @@ def print_everything(
     planned: Reach, verification: Verification | None, motion: DeviceMotion | None, subject_given: bool
 ) -> None:
     """Reach, device and, for a subject from a file, where its figures come from."""
-    console = Console()
+    console = Printer()
     print_reach(console, planned, verification)
     if motion is not None:
         print_motion(console, motion, planned.samples)

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from glenoid.cli.options import quantity
 from glenoid.lcm_types import command_v1_t
 from glenoid.publisher import DEFAULT_URL, BridgeError, Publisher
 from glenoid.recording import read_recording
@@ -16,8 +17,8 @@ from glenoid.streaming import Motion, Replayed, prepare, refuse_too_fast, stream
 Url = Annotated[str, typer.Option("--lcm-url", help="LCM; must stay on this machine.")]
 AllowNetwork = Annotated[bool, typer.Option("--allow-network", help="Any LCM URL: setpoints may cross a network.")]
 Force = Annotated[bool, typer.Option("--force-real-bus", help="Move drives on a bus that may reach hardware.")]
-Rate = Annotated[float, typer.Option("--rate-hz", min=20.0, max=1000.0, help="Setpoints per second.")]
-Timeout = Annotated[float, typer.Option("--timeout-s", min=0.1, help="For the bridge to answer and to arm, s.")]
+Rate = Annotated[float, quantity("--rate-hz", "Setpoints per second, 20..1000 Hz.", 20.0, 1000.0)]
+Timeout = Annotated[float, quantity("--timeout-s", "For the bridge to answer and to arm, 0.1..3600 s.", 0.1, 3600.0)]
 
 
 def send(publisher: Publisher, motion: Motion, joints: int, rate_hz: float, force: bool, timeout_s: float) -> None:
@@ -41,7 +42,7 @@ def send(publisher: Publisher, motion: Motion, joints: int, rate_hz: float, forc
 
 def replay(
     log: Annotated[Path, typer.Argument(help="LCM log, or CSV or JSON of `glenoid plan --exo`.")],
-    speed: Annotated[float, typer.Option("--speed", min=0.01, max=4.0, help="1: as recorded.")] = 1.0,
+    speed: Annotated[float, quantity("--speed", "1: as recorded; 0.01..4.", 0.01, 4.0)] = 1.0,
     channel: Annotated[
         Literal["setpoint", "feedback"] | None, typer.Option(help="Of a log: what was asked for, or what was measured.")
     ] = None,

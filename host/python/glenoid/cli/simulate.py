@@ -7,16 +7,15 @@ from dataclasses import replace
 from typing import Annotated, Literal
 
 import typer
-from rich.console import Console
 
 from glenoid.cli import options as opt
 from glenoid.cli.plan import plan_with_device, write_outputs
 from glenoid.devices import load_device
 from glenoid.exo import DeviceMotion
 from glenoid.fmus import fmu_path, sha256
-from glenoid.inputs import ReachInput
+from glenoid.inputs import InputError, ReachInput
 from glenoid.reach import REFUSALS, Reach
-from glenoid.report import degrees, metres, two_columns
+from glenoid.report import Printer, degrees, metres, two_columns
 from glenoid.simulate import Simulation, difference_from_core
 from glenoid.simulate import simulate as run_fmu
 from glenoid.tables import device_columns, motion_columns, to_text, write_csv
@@ -36,19 +35,18 @@ NAMES = (
 )
 
 
+#: whose rows fit into memory; a minute at the least step is six times as many
+MOST_STEPS = 1_000_000
+
+
 @opt.of_a_reach
 def simulate(
     asked: opt.Asked,
     exo: opt.ExoName = None,
     fmi: Annotated[Literal["2", "3"], typer.Option(help="Version of FMI.")] = "3",
-    step_s: Annotated[
-        float, typer.Option("--step-s", callback=opt.within(1e-5, 10.0), help="Communication step, 1e-5..10 s.")
-    ] = 0.01,
+    step_s: Annotated[float, opt.quantity("--step-s", "Communication step, 1e-5..10 s.", 1e-5, 10.0)] = 0.01,
     stop_s: Annotated[
-        float | None,
-        typer.Option(
-            "--stop-s", callback=opt.within(0.0, 3600.0), help="End, 0..3600 s; else 0.2 s after the movement."
-        ),
+        float | None, opt.quantity("--stop-s", "End, 0..3600 s; else 0.2 s after the movement.", 0.0, 3600.0)
     ] = None,
     as_json: opt.AsJson = False,
     csv: opt.CsvFile = None,
@@ -59,8 +57,11 @@ def simulate(
     Example: glenoid simulate host/examples/reach_to_head.yaml --fmi 2 --csv reach.csv
     """
     given = asked.reach
+    end_s = stop_s if stop_s is not None else given.duration_s + 0.2
+    if end_s / step_s > MOST_STEPS:
+        raise InputError(f"--step-s = {step_s:g} s: {end_s / step_s:.0f} steps to {end_s:g} s, at most {MOST_STEPS}")
     device = load_device(exo) if exo is not None else None
-    done = run_fmu(given, fmu_path(fmi), step_s, stop_s if stop_s is not None else given.duration_s + 0.2, device)
+    done = run_fmu(given, fmu_path(fmi), step_s, end_s, device)
     difference = difference_from_core(given, done, device)
     if csv is not None:
         columns = motion_columns(done.time_s, done.samples)
@@ -105,4 +106,4 @@ def print_simulation(done: Simulation, difference_rad: float) -> None:
     table.add_row("posture at end (deg)", degrees(done.samples["q_rad"][-1]))
     table.add_row("wrist at end (m)", metres(done.samples["wrist_m"][-1]))
     table.add_row("largest difference from core", f"{difference_rad:.1e} rad")
-    Console().print(table, highlight=False)
+    Printer().print(table)

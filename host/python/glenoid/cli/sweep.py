@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
-from glenoid.cli.options import AsJson
+from glenoid.cli.options import AsJson, whole_number, within
+from glenoid.report import Printer
 from glenoid.sweep.report import print_summary, summarise, write_rows
 from glenoid.sweep.run import run_study
 from glenoid.sweep.study import load_study
@@ -22,7 +22,15 @@ def sweep(
     out: Annotated[
         Path | None, typer.Option("--out", help="Folder of the results; default build/sweeps/NAME OF THE FILE.")
     ] = None,
-    jobs: Annotated[int | None, typer.Option(min=1, help="Processes; default one for each processor.")] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option(
+            parser=whole_number,
+            callback=within(1, 1024),
+            metavar="NUMBER",
+            help="Processes, 1..1024; default one for each processor.",
+        ),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Plan many reaches: persons, tasks and devices, fixed or drawn; which are possible, and which ranges they need.
@@ -35,11 +43,15 @@ def sweep(
     folder = out if out is not None else Path("build/sweeps") / study.stem
     workers = jobs if jobs is not None else len(os.sched_getaffinity(0))
     folder.mkdir(parents=True, exist_ok=True)
+    written = folder / "summary.json"
+    written.unlink(
+        missing_ok=True
+    )  # of an earlier study: it is written last, so that rows without it are known as cut short
     summary = summarise(checked, list(write_rows(run_study(checked, workers), checked, folder / "cases.csv")))
-    (folder / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    written.write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     if as_json:
         print(to_text(summary))
     else:
-        console = Console()
+        console = Printer()
         print_summary(console, summary)
-        console.print(f"rows: {folder / 'cases.csv'}", highlight=False, soft_wrap=True)
+        console.print(f"rows: {folder / 'cases.csv'}", soft_wrap=True)

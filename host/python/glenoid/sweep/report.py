@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from glenoid.devices import JOINTS
 from glenoid.sweep.run import FIGURES, Row
@@ -74,7 +75,7 @@ def summarise(study: Study, rows: list[Row]) -> dict[str, Any]:
 
 def print_summary(console: Console, summary: dict[str, Any]) -> None:
     """The same for people, in deg and mm."""
-    console.print(f"[bold]{summary['name'] or 'Study'}[/bold]  {summary['cases']} cases", highlight=False)
+    console.print(Text.assemble((summary["name"] or "Study", "bold"), f"  {summary['cases']} cases"))
     for name, device in summary["devices"].items():
         print_device(console, name, device)
 
@@ -88,12 +89,12 @@ def print_device(console: Console, name: str, device: dict[str, Any]) -> None:
         words = ", ".join(f"{key} {count}" for key, count in (reasons | one["exo_refusal"]).items())
         share = 100.0 * one["status"].get("ok", 0) / one["cases"]
         counts.add_row(label, str(one["cases"]), f"{share:.1f} %", words)
-    console.print(counts, highlight=False)
+    console.print(counts)
     figures = device["figures"]
     table = Table("of the possible ones", *SHARES, box=None, pad_edge=False)
     for label, key, factor in lines_of(figures):
         table.add_row(label, *(f"{factor * figures[key][share]:.1f}" for share in SHARES))
-    console.print(table, highlight=False)
+    console.print(table)
 
 
 def lines_of(figures: dict[str, Any]) -> list[tuple[str, str, float]]:

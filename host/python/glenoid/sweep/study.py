@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,15 +12,34 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
+from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
 from scipy.special import ndtr, ndtri
 
 from glenoid.devices import load_device
 from glenoid.exo import core_exo
-from glenoid.inputs import InputError, ReachInput, Strict, build_reach, explain, laid_over, read_mapping
+from glenoid.inputs import (
+    InputError,
+    ReachInput,
+    Real,
+    Strict,
+    Whole,
+    build_reach,
+    explain,
+    laid_over,
+    read_mapping,
+)
 from glenoid.settings import make_generator
 
-Number = float | list[float]
+
+def as_numbers(value: Any) -> Any:
+    """A finite number or a list of them; nothing else."""
+    for entry in value if isinstance(value, list) else [value]:
+        if isinstance(entry, bool) or not isinstance(entry, (int, float)) or not math.isfinite(entry):
+            raise ValueError("must be a finite number or a list of them")
+    return value
+
+
+Number = Annotated[float | list[float], BeforeValidator(as_numbers)]
 Variant = dict[str, Any]
 device_by_name = lru_cache(load_device)
 KINDS = "a value, {values: [...]}, {min, max} or {mean, sd, min, max}"
@@ -77,13 +97,22 @@ class Study(Strict):
 
     name: str = ""
     note: str = ""
-    seed: Annotated[int, Field(ge=0)] = 1
-    draws: Annotated[int, Field(ge=1, le=1_000_000, description="of every combination in which something is drawn")] = 1
+    seed: Annotated[Whole, Field(ge=0)] = 1
+    draws: Annotated[
+        Whole, Field(ge=1, le=1_000_000, description="of every combination in which something is drawn")
+    ] = 1
     reach: Variant = Field(default={}, description="common to all cases, as in a reach file")
     groups: Annotated[dict[str, Variant], Field(default={"all": {}}, min_length=1)]
     tasks: Annotated[dict[str, Variant], Field(default={"reach": {}}, min_length=1)]
     exoskeletons: list[str] = Field(default=[], description="names or files; none: the arm alone")
-    targets_for_stature_m: Annotated[float | None, Field(gt=0.0, description="targets grow with the person")] = None
+    targets_for_stature_m: Annotated[Real | None, Field(gt=0.0, description="targets grow with the person")] = None
+
+    @field_validator("exoskeletons")
+    @classmethod
+    def _each_once(cls, names: list[str]) -> list[str]:
+        if twice := [name for k, name in enumerate(names) if name in names[:k]]:
+            raise ValueError(f"{twice[0]} stands twice")
+        return names
 
 
 @dataclass(frozen=True)
