@@ -29,8 +29,8 @@ def stub_of(source: str) -> str:
             continue
         kind = PYTHON_TYPE[match[1]]
         for entry in match[2].split(","):
-            member, _, size = entry.split("=")[0].strip().partition("[")
-            body.append(f"    {member}: {f'Sequence[{kind}]' if size else kind}")
+            member, *sizes = entry.split("=")[0].strip().split("[")
+            body.append(f"    {member}: {'Sequence[' * len(sizes)}{kind}{']' * len(sizes)}")
     body += ["    def encode(self) -> bytes: ...", "    @staticmethod", f"    def decode(data: bytes) -> {name}: ..."]
     body += ["    @staticmethod", "    def _get_packed_fingerprint() -> bytes: ...", ""]
     return "\n".join(body)

@@ -106,12 +106,20 @@ std::unique_ptr<lcm_port::LcmPort> open_lcm(const Arguments& a, const bridge::Co
   options.allow_network = a.allow_network;
   options.hearing_priority = a.priority > 1 ? a.priority - 10 > 0 ? a.priority - 10 : 1 : 0;
   options.device.exoskeleton = config.settings.name;
+  options.device.config_sha256 = bridge::config_hash(config);
+  options.device.device = config.device;
+  options.device.device_sha256 = config.device_sha256;
+  if (config.side == "left") options.device.side = glenoid::device_v1_t::LEFT;
   options.device.period_ns = config.settings.period_ns;
   for (std::size_t b = 0; b < config.buses.size(); ++b)
     if (!can::is_virtual(config.buses[b].url)) options.device.real_bus_mask |= 1 << b;
   for (std::size_t j = 0; j < config.settings.joints.size(); ++j) {
-    options.device.velocity_limit_rad_per_s[j] = config.settings.joints[j].velocity_rad_per_s;
-    options.device.acceleration_limit_rad_per_s2[j] = config.settings.joints[j].acceleration_rad_per_s2;
+    const bridge::JointSettings& joint = config.settings.joints[j];
+    options.device.joint_names.push_back(joint.name);
+    options.device.lower_rad[j] = joint.lower_rad;
+    options.device.upper_rad[j] = joint.upper_rad;
+    options.device.velocity_limit_rad_per_s[j] = joint.velocity_rad_per_s;
+    options.device.acceleration_limit_rad_per_s2[j] = joint.acceleration_rad_per_s2;
   }
   if (const std::string warning = lcm_port::route_warning(a.lcm_url); !warning.empty() && !a.allow_network)
     std::fprintf(stderr, "glenoid-bridge: %s\n", warning.c_str());

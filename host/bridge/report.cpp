@@ -40,6 +40,9 @@ std::string describe(const Config& config) {
   const Settings& s = config.settings;
   std::string text = line("exoskeleton %s (%s arm), %zu joints, SYNC every %g ms\n", s.name.c_str(),
                           config.side.c_str(), s.joints.size(), 1e-6 * static_cast<double>(s.period_ns));
+  if (!config.device.empty())
+    text += line("  device %s %.12s: sources made for another one are refused\n", config.device.c_str(),
+                 config.device_sha256.c_str());
   for (const BusConfig& bus : config.buses)
     text += line("  bus %-12s %-24s %4.0f kbit/s, worst-case load %2.0f %%%s\n", bus.name.c_str(), bus.url.c_str(),
                  1e-3 * bus.bit_rate_bit_per_s, 100.0 * bus.worst_case_load,

@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"wrong_unit",
                 "velocity_rad_per_s: 2.5",
                 "velocity_deg_per_s: 140",
-                {"line 18", "velocity_deg_per_s", "140", "wrong unit", "velocity_rad_per_s"}},
+                {"line 20", "velocity_deg_per_s", "140", "wrong unit", "velocity_rad_per_s"}},
         Mistake{"period_in_seconds", "sync: {period_ms: 2,", "sync: {period_s: 0.002,", {"period_s", "write period_ms"}},
         Mistake{"number_with_unit", "lower_rad: -0.6", "lower_rad: -30deg", {"lower_rad", "-30deg", "finite number"}},
         Mistake{"not_a_number", "upper_rad: 0.8", "upper_rad: .nan", {"upper_rad", "finite number"}},
@@ -95,6 +95,10 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"ratio_upside_down", "ratio: 100", "ratio: 0.01", {"ratio", "0.01", "encoder count"}},
         Mistake{"ratio_next_to_zero", "ratio: 100", "ratio: 1e-320", {"ratio", "encoder count"}},
         Mistake{"delay_beyond_what_is_kept", "delay_ms: 4 ", "delay_ms: 500 ", {"delay_ms", "500", "254 setpoints"}},
+        Mistake{"device_without_name", "{name: harmony, sha", "{sha", {"device.name", "needed"}},
+        Mistake{"device_without_hash", "harmony, sha256:", "harmony, sha:", {"device.sha256", "needed"}},
+        Mistake{"device_hash_with_capitals", "sha256: 30ba", "sha256: 30BA", {"device.sha256", "64 hexadecimal"}},
+        Mistake{"device_hash_cut", "sha256: 30ba", "sha256: ", {"device.sha256", "64 hexadecimal"}},
         Mistake{"sign", "sign: 1,", "sign: 0,", {"sign", "one of 1, -1"}},
         Mistake{"duplicate_key", "side: right", "side: right\n    side: left", {"side", "twice"}},
         Mistake{"overload", "period_ms: 2, rpdo", "period_ms: 1, rpdo", {"buses", "above 90 %"}},
@@ -153,6 +157,7 @@ TEST(BridgeConfig, HashIsOfWhatMovesTheDrivesAndNotOfTheBus) {
                                                                                  {"node: 2", "node: 7"},
                                                                                  {"delay_ms: 4", "delay_ms: 5"},
                                                                                  {"side: right", "side: left"},
+                                                                                 {"sha256: 30ba", "sha256: 30bb"},
                                                                                  {"time_ms: 30", "time_ms: 31"}})
     EXPECT_NE(config_hash(parse_config(replaced(yaml, from, to))), hash) << to;
 }

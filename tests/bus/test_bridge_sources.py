@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from glenoid.device_link import fingerprint
 from glenoid.devices import load_device
 from glenoid.fmus import fmu_path
 from glenoid.inputs import InputError, load_reach
@@ -33,6 +34,7 @@ def bridge(tmp_path, bus_address, drives):
     arm["heartbeat"] |= {"drive_waits_ms": 2000, "drive_timeout_ms": 5000}
     arm["supervision"] = {"feedback_misses": 500, "transmit_skips": 100, "sdo_timeout_ms": 1000}
     arm["joint_defaults"]["limits"]["step_rad"] = 1.0
+    arm["device"] = {"name": DEVICE, "sha256": fingerprint(load_device(DEVICE))}
     for joint in arm["joints"][2:5]:
         joint["limits"] = {"lower_rad": -2.8, "upper_rad": 2.8}
     arm["buses"][0]["url"] = f"udp:{group}:{port}"

@@ -4,17 +4,36 @@ import threading
 import time
 
 import lcm
-from glenoid.lcm_types import command_v1_t, event_v1_t, feedback_v1_t, setpoint_v1_t, status_v1_t
-from glenoid.publisher import COMMAND, EVENT, FEEDBACK, SETPOINT, STATUS, now_ns
+from glenoid.devices import JOINTS
+from glenoid.lcm_types import command_v1_t, device_v1_t, event_v1_t, feedback_v1_t, setpoint_v1_t, status_v1_t
+from glenoid.publisher import COMMAND, DEVICE, EVENT, FEEDBACK, SETPOINT, STATUS, now_ns
 
 PERIOD_S = 0.004
+
+
+def padded(text, size):
+    """A text as messages carry it."""
+    return [*text.encode(), *[0] * (size - len(text.encode()))]
+
+
+def device_message(joints=JOINTS, side=device_v1_t.RIGHT, limit_rad=100.0, device="", device_sha256=""):
+    """What a bridge says that it drives; joints all with the same limits."""
+    told = device_v1_t()
+    told.exoskeleton, told.device = padded("stand_in", 32), padded(device, 32)
+    told.device_sha256, told.side, told.joint_count = padded(device_sha256, 64), side, len(joints)
+    told.joint_name = [padded(name, 32) for name in (*joints, *[""] * (16 - len(joints)))]
+    told.lower_rad, told.upper_rad = [-limit_rad] * 16, [limit_rad] * 16
+    return told
 
 
 class Bridge:
     """Runs in a thread between `with`; what it accepted is in `setpoints`."""
 
-    def __init__(self, url, start_rad, real_bus_mask=0, speed_limit=2.0, refuse_arming=None, stop_after=None):
+    def __init__(
+        self, url, start_rad, real_bus_mask=0, speed_limit=2.0, refuse_arming=None, stop_after=None, device=None
+    ):
         self.position = list(start_rad)
+        self.device = device or device_message(JOINTS[: len(self.position)])
         self.setpoints = []
         self.commands = []
         self.state, self.session, self.sequence = status_v1_t.IDLE, 0, 0
@@ -83,4 +102,5 @@ class Bridge:
             status.velocity_limit_rad_per_s = [self.speed_limit] * 16
             status.acceleration_limit_rad_per_s2 = [20.0] * 16
             self._lcm.publish(STATUS, status.encode())
+            self._lcm.publish(DEVICE, self.device.encode())
             time.sleep(PERIOD_S)

@@ -72,6 +72,7 @@ TEST_F(InboxTest, TypesHaveTheLengthsTheirFilesState) {
   EXPECT_EQ(event_v1_t().getEncodedSize(), 220);
   EXPECT_EQ(status_v1_t().getEncodedSize(), 1136);
   EXPECT_EQ(figures_v1_t().getEncodedSize(), 676);
+  EXPECT_EQ(device_v1_t().getEncodedSize(), 984);
 }
 
 TEST_F(InboxTest, ASetpointArrivesAsItWasSent) {
@@ -367,6 +368,34 @@ TEST(ToWire, StatusRelatesTheWallClock) {
   EXPECT_EQ(out.real_bus_mask, 2);
   EXPECT_EQ(out.exoskeleton[30], 'e');
   EXPECT_EQ(out.exoskeleton[31], 0);
+}
+
+TEST(ToWire, DeviceKeepsItsPlaces) {
+  Device device;
+  device.exoskeleton = "mine";
+  device.config_sha256 = std::string(63, 'a') + "b";
+  device.device = std::string(40, 'n');
+  device.device_sha256 = std::string(64, 'c');
+  device.side = device_v1_t::LEFT;
+  device.joint_names = {"one", "two"};
+  device.lower_rad[1] = -2.0;
+  device.upper_rad[1] = 3.0;
+  const device_v1_t out = to_wire(device, 17);
+  const auto text = [](const std::int8_t* from, std::size_t most) {
+    const auto* characters = reinterpret_cast<const char*>(from);
+    return std::string(characters, ::strnlen(characters, most));
+  };
+  EXPECT_EQ(out.time_mono_ns, 17);
+  EXPECT_EQ(text(out.exoskeleton, 32), "mine");
+  EXPECT_EQ(text(out.config_sha256, 64), device.config_sha256);
+  EXPECT_EQ(text(out.device, 32), std::string(31, 'n'));
+  EXPECT_EQ(text(out.device_sha256, 64), device.device_sha256);
+  EXPECT_EQ(out.side, device_v1_t::LEFT);
+  EXPECT_EQ(out.joint_count, 2);
+  EXPECT_EQ(text(out.joint_name[1], 32), "two");
+  EXPECT_EQ(text(out.joint_name[2], 32), "");
+  EXPECT_EQ(out.lower_rad[1], -2.0);
+  EXPECT_EQ(out.upper_rad[1], 3.0);
 }
 
 TEST(ToWire, FiguresKeepTheirPlaces) {

@@ -19,6 +19,7 @@ std::string canonical(const Config& config) {
   };
   const Settings& s = config.settings;
   text += "format=1\nname=" + s.name + "\nside=" + config.side + "\n";
+  if (!config.device.empty()) text += "device=" + config.device_sha256 + "\n";
   line("rpdo_phase", config.rpdo_phase);
   for (const auto& [key, value] :
        std::initializer_list<std::pair<const char*, std::int64_t>>{{"period_ns", s.period_ns},

@@ -82,6 +82,20 @@ void read_supervision(YamlReader& exo, Config& config) {
   watch.finish();
 }
 
+void read_device(YamlReader& exo, Config& config) {
+  YamlReader device = exo.mapping("device");
+  config.device = device.text("name", "");
+  config.device_sha256 = device.text("sha256", "");
+  if (config.device.empty() != config.device_sha256.empty())
+    device.fail(config.device.empty() ? "name" : "sha256", "name and sha256 are needed");
+  if (config.device.size() > 31) device.fail("name", "must have at most 31 bytes");
+  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+  const std::string& hash = config.device_sha256;
+  if (!hash.empty() && (hash.size() != 64 || !std::all_of(hash.begin(), hash.end(), is_digit)))
+    device.fail("sha256", "must be 64 hexadecimal digits in lower case");
+  device.finish();
+}
+
 void read_buses(YamlReader& exo, Config& config) {
   const YAML::Node list = exo.list("buses");
   if (!list.IsDefined() || list.size() == 0) exo.fail("buses", "at least one bus is needed");
@@ -258,6 +272,7 @@ Config parse_config(const std::string& yaml, std::string_view name) {
     Config config;
     config.settings.name = chosen;
     config.side = exo.choice("side", {"right", "left"}, 0) == 0 ? "right" : "left";
+    read_device(exo, config);
     read_timing(exo, config);
     read_supervision(exo, config);
     read_buses(exo, config);

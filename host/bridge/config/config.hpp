@@ -24,6 +24,8 @@ struct Config {
   Settings settings;
   std::vector<BusConfig> buses;
   std::string side;
+  std::string device;  ///< device file of `glenoid --exo` that joints, ranges and side were taken from; empty: not said
+  std::string device_sha256;  ///< its fingerprint, as `glenoid info --exo` prints it
   /// Part of the period between SYNC and RPDOs: behind the drives' answers, well before the next SYNC.
   double rpdo_phase = 0.5;
   std::vector<std::string> warnings;

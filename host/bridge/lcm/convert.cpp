@@ -182,6 +182,25 @@ figures_v1_t to_wire(const bridge::Figures& figures) noexcept {
   return out;
 }
 
+device_v1_t to_wire(const Device& device, std::int64_t time_ns) noexcept {
+  device_v1_t out{};
+  out.time_mono_ns = time_ns;
+  copy_text(device.exoskeleton, device.exoskeleton.size(), out.exoskeleton);
+  copy_text(device.device, device.device.size(), out.device);
+  std::copy_n(device.config_sha256.begin(), std::min(device.config_sha256.size(), sizeof out.config_sha256),
+              out.config_sha256);
+  std::copy_n(device.device_sha256.begin(), std::min(device.device_sha256.size(), sizeof out.device_sha256),
+              out.device_sha256);
+  out.side = device.side;
+  const std::size_t count = std::min(device.joint_names.size(), bridge::kMaxJoints);
+  out.joint_count = static_cast<std::int32_t>(count);
+  for (std::size_t k = 0; k < count; ++k)
+    copy_text(device.joint_names[k], device.joint_names[k].size(), out.joint_name[k]);
+  copy(device.lower_rad, out.lower_rad);
+  copy(device.upper_rad, out.upper_rad);
+  return out;
+}
+
 status_v1_t to_wire(const bridge::Status& status, const Device& device, std::int64_t time_utc_ns) noexcept {
   status_v1_t out{};
   out.time_mono_ns = status.time_ns;

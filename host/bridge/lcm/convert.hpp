@@ -6,8 +6,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "glenoid/command_v1_t.hpp"
+#include "glenoid/device_v1_t.hpp"
 #include "glenoid/event_v1_t.hpp"
 #include "glenoid/feedback_v1_t.hpp"
 #include "glenoid/figures_v1_t.hpp"
@@ -17,9 +19,14 @@
 
 namespace glenoid::lcm_port {
 
-/// What GLENOID_STATUS says beside what the core knows.
+/// What GLENOID_STATUS and GLENOID_DEVICE say beside what the core knows. Of names at most 31 bytes are told.
 struct Device {
-  std::string exoskeleton;         ///< name; at most 31 bytes are told
+  std::string exoskeleton{};
+  std::string config_sha256{};
+  std::string device{}, device_sha256{};  ///< that the configuration was made for; empty: not said
+  std::int32_t side = device_v1_t::RIGHT;
+  std::vector<std::string> joint_names{};
+  bridge::JointValues lower_rad{}, upper_rad{};
   std::int64_t period_ns = 0;      ///< of SYNC
   std::int32_t real_bus_mask = 0;  ///< bit b: frames of bus b may reach hardware
   bridge::JointValues velocity_limit_rad_per_s{};
@@ -36,5 +43,7 @@ struct Device {
 [[nodiscard]] figures_v1_t to_wire(const bridge::Figures& figures) noexcept;
 /// @param time_utc_ns  wall clock at the instant of the status
 [[nodiscard]] status_v1_t to_wire(const bridge::Status& status, const Device& device, std::int64_t time_utc_ns) noexcept;
+
+[[nodiscard]] device_v1_t to_wire(const Device& device, std::int64_t time_ns) noexcept;
 
 }  // namespace glenoid::lcm_port

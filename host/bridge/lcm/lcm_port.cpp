@@ -25,6 +25,7 @@ namespace {
 // gets no processor for a while may be behind.
 constexpr int kQueueCapacity = 4096;
 constexpr int kPollTimeout_ms = 200;
+constexpr std::int64_t kStatusesPerDevice = 5;  // ten statuses a second
 
 std::int64_t clock_ns(clockid_t clock) noexcept {
   timespec time{};
@@ -132,6 +133,7 @@ class LcmPort::Implementation {
     while (status_.pop(status)) {
       const std::int64_t shift_ns = clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC);
       publish(kStatusChannel, to_wire(status, device_, status.time_ns + shift_ns));
+      if (status.sequence % kStatusesPerDevice == 1) publish(kDeviceChannel, to_wire(device_, status.time_ns));
     }
   }
 

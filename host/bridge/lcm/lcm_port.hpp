@@ -20,6 +20,7 @@ inline constexpr const char* kFeedbackChannel = "GLENOID_FEEDBACK";
 inline constexpr const char* kStatusChannel = "GLENOID_STATUS";
 inline constexpr const char* kEventChannel = "GLENOID_EVENT";
 inline constexpr const char* kFiguresChannel = "GLENOID_FIGURES";
+inline constexpr const char* kDeviceChannel = "GLENOID_DEVICE";
 inline constexpr const char* kCommandChannel = "GLENOID_COMMAND";
 
 /// The URL with its time to live written out.

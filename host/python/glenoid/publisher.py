@@ -21,11 +21,11 @@ from urllib.parse import parse_qs, urlsplit
 import lcm
 
 from glenoid.inputs import InputError
-from glenoid.lcm_types import command_v1_t, event_v1_t, feedback_v1_t, setpoint_v1_t, status_v1_t
+from glenoid.lcm_types import command_v1_t, device_v1_t, event_v1_t, feedback_v1_t, setpoint_v1_t, status_v1_t
 
 DEFAULT_URL = "udpm://239.255.76.67:7667?ttl=0"
 SETPOINT, FEEDBACK, STATUS = "GLENOID_SETPOINT", "GLENOID_FEEDBACK", "GLENOID_STATUS"
-EVENT, COMMAND = "GLENOID_EVENT", "GLENOID_COMMAND"
+EVENT, COMMAND, DEVICE = "GLENOID_EVENT", "GLENOID_COMMAND", "GLENOID_DEVICE"
 MOST_JOINTS = 16
 STATES = {1: "IDLE", 2: "READY", 3: "RUN", 4: "HOLD", 5: "STOP", 6: "FAULT"}
 #: LCM's queue keeps the oldest messages and drops the newest; it is emptied at every poll
@@ -44,7 +44,7 @@ class Message(Protocol):
         """Bytes with the fingerprint in front."""
 
 
-Kind = TypeVar("Kind", setpoint_v1_t, feedback_v1_t, status_v1_t, event_v1_t, command_v1_t)
+Kind = TypeVar("Kind", setpoint_v1_t, feedback_v1_t, status_v1_t, event_v1_t, command_v1_t, device_v1_t)
 
 
 def now_ns() -> int:
@@ -103,9 +103,15 @@ class Publisher:
             raise InputError(f"LCM {url}: {error}; {hint}") from error
         self.status: status_v1_t | None = None
         self.feedback: feedback_v1_t | None = None
+        self.device: device_v1_t | None = None
         self.events: deque[str] = deque(maxlen=16)
         self._sequence = self._command_sequence = self._last_session = 0
-        for channel, handler in ((STATUS, self._on_status), (FEEDBACK, self._on_feedback), (EVENT, self._on_event)):
+        for channel, handler in (
+            (STATUS, self._on_status),
+            (FEEDBACK, self._on_feedback),
+            (EVENT, self._on_event),
+            (DEVICE, self._on_device),
+        ):
             self._lcm.subscribe(channel, handler).set_queue_capacity(QUEUE_CAPACITY)
 
     def _on_status(self, _channel: str, data: bytes) -> None:
@@ -113,6 +119,9 @@ class Publisher:
 
     def _on_feedback(self, _channel: str, data: bytes) -> None:
         self.feedback = decoded(feedback_v1_t, data) or self.feedback
+
+    def _on_device(self, _channel: str, data: bytes) -> None:
+        self.device = decoded(device_v1_t, data) or self.device
 
     def _on_event(self, _channel: str, data: bytes) -> None:
         if (event := decoded(event_v1_t, data)) is not None and event.severity >= event_v1_t.WARNING:
@@ -152,6 +161,15 @@ class Publisher:
                 raise BridgeError("no bridge: GLENOID_STATUS is silent")
             self.poll(0.05)
         return self.status
+
+    def await_device(self, timeout_s: float) -> device_v1_t:
+        """What the bridge drives. BridgeError where it does not say."""
+        end = time.monotonic() + timeout_s
+        while self.device is None:
+            if time.monotonic() > end:
+                raise BridgeError("the bridge does not say what it drives: GLENOID_DEVICE is silent")
+            self.poll(0.05)
+        return self.device
 
     def await_state(self, wanted: str, timeout_s: float, ask: int | None = None) -> None:
         """Waits for a state, asking for it by a command every half second. BridgeError with the bridge's words."""

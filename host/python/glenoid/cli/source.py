@@ -9,7 +9,7 @@ import typer
 from glenoid.cli import options as opt
 from glenoid.cli.plan import plan_with_device
 from glenoid.cli.replay import AllowNetwork, Force, Rate, Timeout, Url, send
-from glenoid.devices import JOINTS, load_device
+from glenoid.devices import load_device
 from glenoid.findings import describe_refusal
 from glenoid.fmus import fmu_path
 from glenoid.publisher import DEFAULT_URL, Publisher
@@ -36,8 +36,10 @@ def source(
         print(f"glenoid: REFUSED  {describe_refusal(planned)}", file=sys.stderr)
         raise typer.Exit(1)
     publisher = Publisher(url, allow_network)
-    motion = FmuMotion(given, load_device(exo or "generic_75_75"), fmu_path("3"), 1.0 / rate_hz)
+    device = load_device(exo or "generic_75_75")
+    motion = FmuMotion(given, device, fmu_path("3"), 1.0 / rate_hz)
+    planned_rad = planned.samples["exo_q_rad"]
     try:
-        send(publisher, motion, len(JOINTS), rate_hz, force, timeout_s)
+        send(publisher, motion, planned_rad, rate_hz, force, timeout_s, (device, given.subject.arm))
     finally:
         motion.close()
