@@ -9,8 +9,11 @@ from typing import Annotated, Literal
 import typer
 
 from glenoid.cli.options import quantity
+from glenoid.device_link import require_same, require_within
+from glenoid.devices import Device
 from glenoid.lcm_types import command_v1_t
 from glenoid.publisher import DEFAULT_URL, BridgeError, Publisher
+from glenoid.reach import Array
 from glenoid.recording import read_recording
 from glenoid.streaming import Motion, Replayed, prepare, refuse_too_fast, stream
 
@@ -21,10 +24,33 @@ Rate = Annotated[float, quantity("--rate-hz", "Setpoints per second, 20..1000 Hz
 Timeout = Annotated[float, quantity("--timeout-s", "For the bridge to answer and to arm, 0.1..3600 s.", 0.1, 3600.0)]
 
 
-def send(publisher: Publisher, motion: Motion, joints: int, rate_hz: float, force: bool, timeout_s: float) -> None:
-    """Arms and streams; what the bridge refuses ends the command with status 1, an interruption stops the arm."""
+def send(
+    publisher: Publisher,
+    motion: Motion,
+    position_rad: Array,
+    rate_hz: float,
+    force: bool,
+    timeout_s: float,
+    device: tuple[Device, str] | None = None,
+) -> None:
+    """Arms and streams; what the bridge refuses ends the command with status 1, an interruption stops the arm.
+
+    Args:
+        publisher: with no session yet.
+        motion: what is streamed.
+        position_rad: the same as rows of joint angles, for checks beforehand.
+        rate_hz: setpoints per second.
+        force: drives on a bus that may reach hardware, too.
+        timeout_s: for the bridge to answer and to arm.
+        device: that the motion was made for, and the arm it is on; None where the motion does not say.
+
+    """
     try:
-        limits = prepare(publisher, joints, force, timeout_s)
+        limits = prepare(publisher, position_rad.shape[1], force, timeout_s)
+        told = publisher.await_device(timeout_s)
+        if device is not None:
+            require_same(told, *device)
+        require_within(told, position_rad)
         if isinstance(motion, Replayed):
             refuse_too_fast(motion, limits)
         publisher.arm(timeout_s)
@@ -61,4 +87,4 @@ def replay(
     if recording.skipped:
         print(f"{log}: {recording.skipped} messages are of other sessions or unreadable, left out")
     publisher = Publisher(url, allow_network)
-    send(publisher, Replayed(recording, speed), recording.joints, rate_hz, force, timeout_s)
+    send(publisher, Replayed(recording, speed), recording.position_rad, rate_hz, force, timeout_s)
