@@ -83,7 +83,8 @@ TEST(BridgeRun, StartUpWritesEverythingAndInTheRightOrder) {
     EXPECT_EQ(value(0x1600, 2), 0x607A'0020U);
     EXPECT_EQ(value(0x1A00, 0), 3U);
     EXPECT_EQ(value(0x1A00, 3), 0x6077'0010U);
-    EXPECT_EQ(value(0x1401, 1) >> 31, 1U);  // unused ones off
+    EXPECT_EQ(value(0x1401, 1), 0x8000'0300U + drive.node);  // unused ones off
+    EXPECT_EQ(value(0x1801, 1), 0xC000'0280U + drive.node);  // and no remote frames on those of the drive
     EXPECT_LT(static_cast<std::int32_t>(value(0x607D, 1)), static_cast<std::int32_t>(value(0x607D, 2)));
     for (const Key pdo : {0x1400U, 0x1800U}) {
       EXPECT_LT(place(drive, pdo, 1), place(drive, pdo + 0x200, 0));                // off, then cleared

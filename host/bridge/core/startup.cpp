@@ -54,11 +54,16 @@ void add_limits(std::vector<StartupStep>& steps, const JointSettings& joint) {
   steps.push_back(write(0x607D, 2, 4, bits_of(high), "software position limit, upper"));
 }
 
+/// A strict drive without remote frames refuses a TPDO whose bit 30 is clear, whether it is switched on or off.
+std::uint32_t cob_id(const Pdo& pdo, std::uint8_t node) {
+  return (pdo.cob_id + node) | (pdo.receive ? 0U : canopen::kCobNoRemote);
+}
+
 void add_pdo(std::vector<StartupStep>& steps, const Pdo& pdo, std::uint8_t node, std::uint8_t transmission) {
-  const std::uint32_t cob_id = (pdo.cob_id + node) | (pdo.receive ? 0U : canopen::kCobNoRemote);
+  const std::uint32_t own_id = cob_id(pdo, node);
   const std::uint8_t count = static_cast<std::uint8_t>(pdo.entries.size());
   // The order is CiA 301's: switch off, clear the mapping, fill it, count, type, switch on.
-  steps.push_back(write(pdo.communication, 1, 4, cob_id | canopen::kCobInvalid, "PDO off", Kind::WriteOnly));
+  steps.push_back(write(pdo.communication, 1, 4, own_id | canopen::kCobInvalid, "PDO off", Kind::WriteOnly));
   steps.push_back(write(pdo.mapping, 0, 1, 0, "PDO mapping cleared", Kind::WriteOnly));
   for (std::uint8_t k = 0; k < count; ++k)
     steps.push_back(write(pdo.mapping, static_cast<std::uint8_t>(k + 1), 4, pdo.entries[k].mapping(), "PDO mapping"));
@@ -68,7 +73,7 @@ void add_pdo(std::vector<StartupStep>& steps, const Pdo& pdo, std::uint8_t node,
     steps.push_back(write(pdo.communication, 3, 2, 0, "PDO inhibit time", Kind::WriteIfPresent));
     steps.push_back(write(pdo.communication, 5, 2, 0, "PDO event timer", Kind::WriteIfPresent));
   }
-  StartupStep on = write(pdo.communication, 1, 4, cob_id, "PDO on");
+  StartupStep on = write(pdo.communication, 1, 4, own_id, "PDO on");
   on.mask = canopen::kCobInvalid | 0x7FFU;  // bit 30 is the drive's to report as it likes
   steps.push_back(on);
 }
@@ -79,7 +84,7 @@ void add_unused_pdos(std::vector<StartupStep>& steps, std::uint8_t node, bool se
     for (const Pdo& pdo : {kRpdo1, kTpdo1}) {
       if (second_tpdo && pdo.communication + k == kTpdo2.communication) continue;
       StartupStep off = write(static_cast<std::uint16_t>(pdo.communication + k), 1, 4,
-                              (pdo.cob_id + 0x100U * k + node) | canopen::kCobInvalid, "unused PDO off",
+                              (cob_id(pdo, node) + 0x100U * k) | canopen::kCobInvalid, "unused PDO off",
                               Kind::WriteIfPresent);
       off.mask = canopen::kCobInvalid;
       steps.push_back(off);
