@@ -1,5 +1,7 @@
 """The FMUs through FMPy: the same numbers as the core."""
 
+import tempfile
+
 import numpy as np
 import pytest
 from glenoid.fmus import fmu_path
@@ -113,3 +115,10 @@ def test_missing_fmu_says_how_to_get_it(run, monkeypatch, tmp_path):
     done = run("simulate")
     assert done.code == 2
     assert "make build" in done.err
+
+
+@pytest.mark.parametrize("options", [(), ("--swivel-prescribed-rad", "6")], ids=["done", "refused by the FMU"])
+def test_nothing_is_left_in_the_temporary_folder(run, tmp_path, monkeypatch, options):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    assert run("simulate", "--stop-s", "0.02", *options).code == (2 if options else 0)
+    assert not list(tmp_path.iterdir())

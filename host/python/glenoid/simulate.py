@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import fmpy
@@ -125,28 +126,32 @@ def simulate(reach: ReachInput, fmu: Path, step_s: float, stop_s: float, device:
 
     """
     shift = shoulder_shift(reach)
+    values = start_values(reach, shift, device)
     messages: list[str] = []
-    try:
-        result = fmpy.simulate_fmu(
-            str(fmu),
-            validate=False,
-            fmi_type="CoSimulation",
-            stop_time=stop_s,
-            output_interval=step_s,
-            step_size=step_s,
-            start_values=start_values(reach, shift, device),
-            output=output_names(),
-            debug_logging=True,
-            logger=lambda *arguments: messages.append(words_of(arguments[-1])),
-        )
-    except Exception as error:
-        raise InputError("\n".join([f"{fmu.name}: {error}", *messages])) from error
+    with TemporaryDirectory(prefix="glenoid-") as folder:  # FMPy's own stays behind when the FMU refuses
+        try:
+            fmpy.extract(str(fmu), folder)
+            description = fmpy.read_model_description(folder, validate=False)
+            result = fmpy.simulate_fmu(
+                folder,
+                validate=False,
+                model_description=description,
+                fmi_type="CoSimulation",
+                stop_time=stop_s,
+                output_interval=step_s,
+                step_size=step_s,
+                start_values=values,
+                output=output_names(),
+                debug_logging=True,
+                logger=lambda *arguments: messages.append(words_of(arguments[-1])),
+            )
+        except Exception as error:
+            raise InputError("\n".join([f"{fmu.name}: {error}", *messages])) from error
     samples = {key: np.column_stack([result[f"{n}[{k}]"] for k in range(1, s + 1)]) for key, (n, s) in VECTORS.items()}
     samples |= {key: np.array(result[name], dtype=float) for key, name in SCALARS.items()}
     for point in ("shoulder_m", "elbow_m", "wrist_m"):
         samples[point] = samples[point] + shift
-    version = fmpy.read_model_description(str(fmu), validate=False).fmiVersion
-    return Simulation(fmu, version, np.array(result["time"], dtype=float), samples, tuple(messages))
+    return Simulation(fmu, description.fmiVersion, np.array(result["time"], dtype=float), samples, tuple(messages))
 
 
 def core_samples(reach: ReachInput, time_s: Array, device: Device | None = None) -> dict[str, Array]:
