@@ -25,7 +25,7 @@ BAD = {
     "unknown level": (lambda d: d.update(checks={"jitter": "loud"}), ["checks.jitter.level = 'loud'", "'warn'"]),
     "check without meaning": (lambda d: d.update(checks={"jitter": 3}), ["checks.jitter = 3"]),
     "no movements": (lambda d: d.update(movements=[]), ["movements = []", "at least 1"]),
-    "movements missing": (lambda d: d.pop("movements"), ["movements", "required"]),
+    "movements missing": (lambda d: d.pop("movements"), ["movements", "missing"]),
     "two targets": (
         lambda d: d.update(movements=[{"activity": "drink", "target_m": [0, 0.3, 0]}]),
         ["movements.0", "one of the two"],
@@ -33,6 +33,10 @@ BAD = {
     "unknown activity": (lambda d: d.update(movements=[{"activity": "juggle"}]), ["juggle", "'comb_hair'"]),
     "hasty": (lambda d: d["movements"][0].update(duration_s=0.01), ["movements.0.duration_s = 0.01", "0.3"]),
     "not finite": (lambda d: d["movements"][0].update(duration_s=float("nan")), ["movements.0.duration_s", "finite"]),
+    "truth as a number": (lambda d: d["movements"][0].update(duration_s=True), ["movements.0.duration_s = True"]),
+    "text as a number": (fault(at_s="1"), ["faults.0.at_s = '1'"]),
+    "half a seed": (lambda d: d.update(drives={"seed": 1.5}), ["drives.seed = 1.5"]),
+    "limit that is none": (lambda d: d.update(checks={"jitter": {"limit": True}}), ["checks.jitter.limit = True"]),
     "unknown fault": (fault(kind="gremlin"), ["faults.0.kind = 'gremlin'"]),
     "fault in the past": (fault(at_s=-1), ["faults.0.at_s = -1"]),
     "figure of another fault": (fault(jump_rad=0.1), ["faults.0", "jump_rad does not belong to estop"]),
@@ -113,3 +117,12 @@ def test_exit_status_follows_the_verdict(run, tmp_path):
     assert done.code == 1
     assert done.json["verdict"] == "FAIL"
     assert (tmp_path / "bad/report.html").is_file()
+
+
+def test_a_name_with_brackets_is_printed_as_it_is(run, tmp_path):
+    file = tmp_path / "name.yaml"
+    file.write_text(yaml.safe_dump(good() | {"name": "reach [bold]high[/x]"}), encoding="utf-8")
+    done = run("rehearse", file, "--out", tmp_path / "[out]")
+    assert done.code == 0, done.out + done.err
+    assert "PASS  reach [bold]high[/x]" in done.out
+    assert "[out]/report.html" in done.out

@@ -108,6 +108,31 @@ def test_page_of_a_fault_names_it_and_the_safe_state(scenario_of, tmp_path):
         assert words in page
 
 
+def test_page_begins_with_who_did_what_and_why_it_is_so(page, scenario_of, tmp_path):
+    top = page[: page.index("<h2>Margins")]
+    for words in (
+        "reach high · man of 1.75 m and 75 kg, right arm · generic_75_75",
+        "PASS</span>nearest to its limit is bus load",
+    ):
+        assert words in top
+    rehearse(scenario_of("reach_high", lambda data: data.update(checks={"arm_speed": {"limit": 0.5}})), tmp_path)
+    failed = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert re.search(r"FAIL</span>arm speed: [0-9.]+ of 0.5 rad/s, upper arm</p>", failed)
+
+
+def test_page_gives_angles_in_degrees_and_lengths_in_millimetres_too(page, facts):
+    for name, unit, factor in (("joint_margin", "deg", 180.0 / np.pi), ("arrival", "mm", 1e3)):
+        value = next(check["value"] for check in facts["checks"] if check["name"] == name)
+        row = re.search(rf"<tr[^>]*><td>{name.replace('_', ' ')}</td>.*?</tr>", page)[0]
+        shown = re.search(rf"<td class=n>([0-9.e+-]+) {unit}</td>", row)
+        assert float(shown[1]) == pytest.approx(factor * value, rel=5e-3)  # three digits
+
+
+def test_page_is_readable_in_the_dark_and_on_a_narrow_screen(page):
+    assert "prefers-color-scheme: dark" in page
+    assert page.count('<div class="wide"><table>') == page.count("<table>")
+
+
 def test_facts_hold_verdict_and_hashes(facts, config, good_folder):
     assert facts["verdict"] == "PASS"
     assert facts["config_hash"] == config.hash

@@ -38,9 +38,10 @@ def print_outcome(console: Console, outcome: Outcome) -> None:
 
 def print_verdict(console: Console, outcome: Outcome) -> None:
     """The verdict and where the folder is."""
-    console.print(f"[{STYLES[outcome.verdict]}]{outcome.verdict}[/]  {outcome.facts['name']}", highlight=False)
+    line = Text(outcome.verdict, style=STYLES[outcome.verdict])  # not markup: the name is the file's
+    console.print(line.append(f"  {outcome.facts['name']}", style="default"), highlight=False, soft_wrap=True)
     if outcome.folder is not None:
-        console.print(f"  {(outcome.folder / REPORT).absolute()}", highlight=False, soft_wrap=True)
+        console.print(Text(f"  {(outcome.folder / REPORT).absolute()}"), highlight=False, soft_wrap=True)
 
 
 def run_demo_rehearsal(console: Console, folder: Path) -> bool:
@@ -56,10 +57,11 @@ def run_demo_rehearsal(console: Console, folder: Path) -> bool:
         beside = folder.with_name(folder.name + "_real_time")
         told = rehearse_with_progress(console, load_scenario(REHEARSALS / "reach_high_real_time.yaml"), beside)
     except InputError as error:
-        console.print(f"  not run in real time: {error}", highlight=False, soft_wrap=True)
+        console.print(Text(f"  not run in real time: {error}"), highlight=False, soft_wrap=True)
     else:
         print_verdict(console, told)
         for finding in told.findings:
             if finding.outcome in ("FAIL", "warn"):
-                console.print(f"    {finding.outcome}  {finding.name}: {finding.text}", highlight=False, soft_wrap=True)
+                line = Text(f"    {finding.outcome}  {finding.name}: {finding.text}")
+                console.print(line, highlight=False, soft_wrap=True)
     return outcome.verdict == "PASS"

@@ -65,6 +65,7 @@ def joints(e: Evidence) -> Figure:
         mark(axes, e)
         axes.set_title(name.replace("_", " "), loc="left")
         axes.set_ylabel("angle (rad)")
+        axes.secondary_yaxis("right", functions=(np.rad2deg, np.deg2rad)).set_ylabel("deg")
     grid[0, 0].legend(loc="best")
     for axes in grid[-1]:
         axes.set_xlabel("time (s)")
@@ -103,6 +104,7 @@ def errors(e: Evidence) -> Figure:
             color=COLOURS[k % 6],
             label=name.replace("_", " "),
         )
+    mark(axes[0], e)
     axes[0].set_ylabel("tracking error (mrad)")
     axes[0].legend(loc="best", ncols=2)
     wrist = e.motion.samples["wrist_m"]
@@ -119,6 +121,8 @@ def jitter(e: Evidence) -> Figure:
     """Histogram of the intervals between SYNCs."""
     figure, axes = frame()
     values = sync_errors_us(e.record, e.scenario.config.period_ns, e.until_ns)
+    if values.size and not values.any():
+        axes[0].set_title("virtual time: none", loc="left")
     if values.size:
         axes[0].hist(values, bins=np.linspace(-1.0, 1.0, 61) * max(1.0, float(np.abs(values).max())), color="#1b6ca8")
     axes[0].set_yscale("symlog")

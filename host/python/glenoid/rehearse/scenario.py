@@ -13,6 +13,7 @@ from glenoid.inputs import (
     InputError,
     MetricName,
     ReachInput,
+    Real,
     RhythmInput,
     Strict,
     SubjectInput,
@@ -20,6 +21,7 @@ from glenoid.inputs import (
     TimingName,
     Vector3,
     Vector4,
+    Whole,
     explain,
     load_subject,
     read_mapping,
@@ -106,8 +108,8 @@ class MovementInput(Strict):
 
     target_m: Vector3 | None = None
     activity: ActivityName | None = None
-    duration_s: Annotated[float, Field(ge=0.3, le=30.0)] = 2.0
-    pause_s: Annotated[float, Field(ge=0.0, le=30.0)] = 0.3
+    duration_s: Annotated[Real, Field(ge=0.3, le=30.0)] = 2.0
+    pause_s: Annotated[Real, Field(ge=0.0, le=30.0)] = 0.3
 
     @model_validator(mode="after")
     def _one_target(self) -> Self:
@@ -133,20 +135,20 @@ class DrivesInput(Strict):
 
     profile: str = "nominal"
     load: Literal["none", "arm"] = Field(default="none", description="arm: of the subject, in the exoskeleton")
-    seed: Annotated[int, Field(ge=1, lt=2**31)] = 1
+    seed: Annotated[Whole, Field(ge=1, lt=2**31)] = 1
 
 
 class RealTimeInput(Strict):
     """The real programs instead of virtual time."""
 
-    factor: Annotated[float, Field(gt=0.05, le=1.0)] = Field(
+    factor: Annotated[Real, Field(gt=0.05, le=1.0)] = Field(
         default=1.0, description="clock of the source; 0.5: half as fast"
     )
     bus: str = Field(default="auto", description="in place of the configuration's bus; auto: udp on a port of this run")
     lcm_url: str = Field(
         default="auto", description="auto: multicast that stays on this machine, on a port of this run"
     )
-    priority: Annotated[int, Field(ge=0, le=90)] = Field(
+    priority: Annotated[Whole, Field(ge=0, le=90)] = Field(
         default=80,
         description="SCHED_FIFO of the bridge, where that is permitted; drives and source stay below; 0: ordinary",
     )
@@ -162,13 +164,13 @@ class FaultInput(Strict):
     """Something that goes wrong, so long after the first movement began."""
 
     kind: FaultKind
-    at_s: Annotated[float, Field(ge=0.0, le=3600.0)]
-    duration_s: Annotated[float, Field(gt=0.0, le=3600.0)] | None = Field(default=None, description="none: to the end")
+    at_s: Annotated[Real, Field(ge=0.0, le=3600.0)]
+    duration_s: Annotated[Real, Field(gt=0.0, le=3600.0)] | None = Field(default=None, description="none: to the end")
     joint: str | None = Field(default=None, description="of the configuration; none: the first, drives: all")
-    jump_rad: float | None = None
-    delay_ms: Annotated[float, Field(gt=0.0)] | None = None
-    code: Annotated[int, Field(gt=0, le=0xFFFF)] | None = None
-    loss_per_mille: Annotated[int, Field(gt=0, le=1000)] | None = None
+    jump_rad: Real | None = None
+    delay_ms: Annotated[Real, Field(gt=0.0)] | None = None
+    code: Annotated[Whole, Field(gt=0, le=0xFFFF)] | None = None
+    loss_per_mille: Annotated[Whole, Field(gt=0, le=1000)] | None = None
 
     @model_validator(mode="after")
     def _own_figures(self) -> Self:
@@ -191,12 +193,12 @@ class ExpectInput(Strict):
 
     state: StateName
     fault: str | list[str] = Field(default="None", description="what the bridge must latch; one of several")
-    within_ms: Annotated[float, Field(gt=0.0)]
-    at_rest_within_ms: Annotated[float, Field(gt=0.0)] | None = Field(
+    within_ms: Annotated[Real, Field(gt=0.0)]
+    at_rest_within_ms: Annotated[Real, Field(gt=0.0)] | None = Field(
         default=None, description="every joint slower than 0.02 rad/s"
     )
-    unpowered_within_ms: Annotated[float, Field(gt=0.0)] | None = None
-    moves_at_most_rad: Annotated[float, Field(gt=0.0)] | None = Field(
+    unpowered_within_ms: Annotated[Real, Field(gt=0.0)] | None = None
+    moves_at_most_rad: Annotated[Real, Field(gt=0.0)] | None = Field(
         default=None, description="how far any joint may still go, truly where that is known"
     )
 
@@ -216,7 +218,7 @@ class CheckInput(Strict):
     """One check: whether it decides, and its limit."""
 
     level: Level
-    limit: float
+    limit: Real
 
 
 def check(level: Level, limit: float) -> Any:
@@ -271,7 +273,7 @@ class ScenarioInput(Strict):
     rhythm: RhythmInput = RhythmInput()
     swivel: SwivelInput = SwivelInput()
     metric: MetricName = "movingShoulder"
-    axial_factor: Annotated[float, Field(ge=1.0, le=5.0)] | None = None
+    axial_factor: Annotated[Real, Field(ge=1.0, le=5.0)] | None = None
     timing: TimingName = "MinimumJerkRiemannian"
     movements: Annotated[list[MovementInput], Field(min_length=1, max_length=1000)]
     mode: Literal["virtual_time", "real_time"] = "virtual_time"
