@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 import yaml
 from glenoid.cli import main
+from glenoid.cli.plan import plan_with_device
 from glenoid.device_link import differences, fingerprint, require_within
 from glenoid.devices import JOINTS, device_names, load_device, parse_device
 from glenoid.fmus import fmu_path
-from glenoid.inputs import InputError
+from glenoid.inputs import InputError, load_reach
 from glenoid.lcm_types import device_v1_t
 from glenoid.publisher import text_of
 
@@ -140,3 +141,14 @@ def test_source_refuses_a_bridge_of_another_device(monkeypatch, capsys):
     assert end.value.code == 2
     assert "device: the bridge's configuration is for other" in capsys.readouterr().err
     assert bridge.commands == []
+
+
+def test_the_example_lets_the_reach_of_the_document_pass():
+    """docs/bridge.md sends it to these drives: no joint is cut off at a limit."""
+    reach = load_reach(ROOT / "host/examples/reach_to_head.yaml")
+    planned, _ = plan_with_device(reach, 100.0, "harmony")
+    joints = yaml.safe_load((ROOT / "host/bridge/examples/six_drives.yaml").read_text(encoding="utf-8"))
+    message = device_message()
+    for k, joint in enumerate(joints["exoskeletons"]["six_drives"]["joints"]):
+        message.lower_rad[k], message.upper_rad[k] = joint["limits"]["lower_rad"], joint["limits"]["upper_rad"]
+    require_within(message, planned.samples["exo_q_rad"])
