@@ -136,7 +136,7 @@ class Master:
     def map_position(self, node):
         """RPDO1 {6040h, 607Ah} and TPDO1 {6041h, 6064h}, both with every SYNC; then operational."""
         for base, entries in ((0x1400, (0x60400010, 0x607A0020)), (0x1800, (0x60410010, 0x60640020))):
-            identifier = (0x200 if base == 0x1400 else 0x180) + node
+            identifier = (0x200 if base == 0x1400 else 0x40000180) + node  # bit 30: no remote frames
             self.write(node, base, 1, identifier - 2**31, 4)
             self.write(node, base + 0x200, 0, 0, 1)
             for sub, entry in enumerate(entries, 1):
