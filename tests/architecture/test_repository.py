@@ -44,7 +44,8 @@ ROOT_ENTRIES = {
 # Paths of somebody's machine, and references to a tracker that a reader of the repository does not have.
 UNWANTED = re.compile(r"(?<![\w.}/$])/(work|home|root|Users)/\w|\b(TODO|FIXME|XXX)\b|\bissue #?\d", re.IGNORECASE)
 LABEL = re.compile(r"\b([A-Z])(\d{1,2})(?:-\1(\d{1,2}))?\b")
-LINK = re.compile(r"\]\(([^)#\s]+)")
+LINK = re.compile(r"\]\(([^)\s]+)")
+NAMED_FILE = re.compile(r"`((?:core|fmu|host|lcm_types|tests|docs|cmake)/[\w./-]+)`")
 
 
 def is_official(path):
@@ -116,9 +117,39 @@ def test_every_equation_label_in_a_header_exists(header):
     assert cited <= known
 
 
-@pytest.mark.parametrize("document", files_of(".", ".md"), ids=name_of)
-def test_links_to_files_resolve(document):
-    targets = [
-        t for t in LINK.findall(document.read_text(encoding="utf-8")) if "://" not in t and not t.startswith("mailto:")
-    ]
-    assert not [target for target in targets if not (document.parent / target).exists()]
+DOCUMENTS = files_of(".", ".md")
+
+
+def anchors_of(document):
+    """What a link may name after #: the headings as web pages of repositories write them."""
+    headings = re.findall(r"^#+ (.*)$", document.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=name_of)
+def test_links_resolve(document):
+    bad = []
+    for target in LINK.findall(document.read_text(encoding="utf-8")):
+        name, _, anchor = target.partition("#")
+        if "://" in target or target.startswith("mailto:"):
+            continue
+        path = document.parent / name if name else document
+        if not path.exists() or (anchor and anchor not in anchors_of(path)):
+            bad.append(target)
+    assert not bad
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=name_of)
+def test_files_that_a_document_names_exist(document):
+    named = set(NAMED_FILE.findall(document.read_text(encoding="utf-8")))
+    assert not {name for name in named if not (ROOT / name).exists()}
+
+
+def test_every_document_is_reached_from_the_readme():
+    reached, open_ends = set(), [ROOT / "README.md"]
+    while open_ends:
+        document = open_ends.pop()
+        reached.add(document)
+        targets = {(document.parent / t.partition("#")[0]).resolve() for t in LINK.findall(document.read_text("utf-8"))}
+        open_ends += [t for t in targets if t.suffix == ".md" and t.is_file() and t not in reached]
+    assert not {name_of(d) for d in files_of("docs", ".md") if d not in reached}
