@@ -1,6 +1,7 @@
 """The files that are shipped: subjects, the measured reach, their schemas; and `glenoid info`."""
 
 import hashlib
+import re
 from pathlib import Path
 
 import jsonschema
@@ -11,6 +12,7 @@ from glenoid import _core
 from glenoid.inputs import ReachInput, load_reach, load_subject
 from glenoid.reach import plan_reach
 from glenoid.settings import core_subject
+from glenoid.sweep.study import cases_of, load_study
 from places import EXAMPLE, ROOT
 
 SUBJECTS = sorted((ROOT / "host/subjects").glob("*.yaml"))
@@ -29,6 +31,30 @@ def test_subject_is_valid_and_can_reach(file, run):
 def test_reach_is_valid_and_names_its_source(file, run):
     jsonschema.validate(yaml.safe_load(file.read_text(encoding="utf-8")), run("info", "--schema", "reach").json)
     assert "MIT" in load_reach(file).source
+
+
+def example_of(document, first_words):
+    """The YAML block of a document that begins so."""
+    text = (ROOT / "docs" / document).read_text(encoding="utf-8")
+    return next(block for block in re.findall(r"```yaml\n(.*?)```", text, re.DOTALL) if block.startswith(first_words))
+
+
+@pytest.mark.parametrize("command", ["info", "plan", "simulate"])
+def test_the_device_of_the_documentation_follows_the_default_reach(command, run, tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.write_text(example_of("exoskeletons.md", "name: mine"), encoding="utf-8")
+    assert run(command, "--exo", file).code == 0
+
+
+def test_the_study_of_the_documentation_is_one(tmp_path):
+    file = tmp_path / "study.yaml"
+    device = tmp_path / "mine.yaml"
+    device.write_text(example_of("exoskeletons.md", "name: mine"), encoding="utf-8")
+    text = example_of("sweep.md", "name:").replace("mine.yaml", str(device))
+    assert str(device) in text
+    file.write_text(text, encoding="utf-8")
+    study = load_study(file)
+    assert len(list(cases_of(study))) == 2 * study.draws * len(study.exoskeletons)
 
 
 def test_schema_refuses_what_the_loader_refuses(run):
