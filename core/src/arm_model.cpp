@@ -19,6 +19,17 @@ Vec3 second_moments(const Segment& s, const char* name) {
 
 }  // namespace
 
+MassMoments mass_moments(const ArmModel& arm) noexcept {
+  const Segment &u = arm.upper_arm, &f = arm.forearm;
+  return {u.mass_kg * u.com_m + f.mass_kg * u.length_m, f.mass_kg * f.com_m};
+}
+
+double mass_height(const ArmModel& arm, const Posture& posture) noexcept {
+  const MassMoments moments = mass_moments(arm);
+  const double forearm_z = -std::sin(posture.phi) * posture.R_TU(2, 1) + std::cos(posture.phi) * posture.R_TU(2, 2);
+  return -moments.upper * posture.R_TU(2, 2) - moments.forearm * forearm_z;
+}
+
 ArmModel make_arm_model(const ScaledArm& arm, const Rhythm& rhythm, const JointLimits& limits, bool moving_shoulder) {
   validate(limits);
   ArmModel model;

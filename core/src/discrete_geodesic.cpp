@@ -77,8 +77,25 @@ void DiscreteGeodesic::evaluate(const ArmModel& arm, State& s) noexcept {
       for (int i = 0; i < rows; ++i) energy_ += 0.5 * (s.node[k].F[i] - s.node[0].F[i]) * s.force[k][i];
     });
   }
+  raised_ = 0.0;
+  if (lift_ != 0.0) add_lift(arm, s);
   s.end_gradient = transpose_times(s.node[count - 1].J, s.force[count - 1], turning_);
   if (free_end_) prepare_free_end(arm, s);
+}
+
+/// The height of the masses is linear in F: its forces are constant, one on z_U.z and one on z_F.z.
+void DiscreteGeodesic::add_lift(const ArmModel& arm, State& s) noexcept {
+  constexpr int kUpper = 11, kForearm = 17;  // rows of F
+  const MassMoments moments = mass_moments(arm);
+  const double* first = s.node[0].F;
+  for (std::size_t k = 0; k <= static_cast<std::size_t>(order()); ++k) {
+    const double* F = s.node[k].F;
+    const double weight = lift_ * grid_->weight[k];
+    height_[k] = moments.upper * (first[kUpper] - F[kUpper]) + moments.forearm * (first[kForearm] - F[kForearm]);
+    raised_ += weight * height_[k];
+    s.force[k][kUpper] += weight * moments.upper;
+    s.force[k][kForearm] += weight * moments.forearm;
+  }
 }
 
 void DiscreteGeodesic::prepare_free_end(const ArmModel& arm, State& s) noexcept {
@@ -236,8 +253,9 @@ double DiscreteGeodesic::speed_variation() const noexcept {
   for (int k = 0; k < count; ++k) {
     double twice = 0.0;
     for (int i = 0; i < kPadded; ++i) twice += velocity[k][i] * momentum[k][i];
-    least = std::min(least, 0.5 * twice);
-    most = std::max(most, 0.5 * twice);
+    const double conserved = 0.5 * twice + (lift_ != 0.0 ? lift_ * height_[static_cast<std::size_t>(k)] : 0.0);
+    least = std::min(least, conserved);
+    most = std::max(most, conserved);
   }
   return energy_ > 0.0 ? (most - least) / energy_ : 0.0;
 }
@@ -245,6 +263,7 @@ double DiscreteGeodesic::speed_variation() const noexcept {
 void DiscreteGeodesic::store(GeodesicPath& path) const noexcept {
   path.order = order();
   path.energy = energy_;
+  path.lift_m = lift_;
   for (int k = 0; k <= order(); ++k) path.nodes[static_cast<std::size_t>(k)] = posture(k);
 }
 

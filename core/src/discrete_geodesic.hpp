@@ -25,6 +25,8 @@ class DiscreteGeodesic {
   [[nodiscard]] const Posture& posture(int k) const noexcept { return current_->posture[static_cast<std::size_t>(k)]; }
   /// Null: the last node is fixed.
   void set_free_end(const Vec3* target) noexcept;
+  /// Bends the path upward (G7), m; 0 = a geodesic.
+  void set_lift(double lift_m) noexcept { lift_ = lift_m; }
 
   /// Energy and forces at the current postures.
   void evaluate(const ArmModel& arm) noexcept;
@@ -41,11 +43,13 @@ class DiscreteGeodesic {
 
   /// Energy of the last evaluation (evaluate or move), kg.m2.
   [[nodiscard]] double energy() const noexcept { return energy_; }
+  /// What is minimised: the energy, less the lift's part (G7).
+  [[nodiscard]] double action() const noexcept { return energy_ - raised_; }
   [[nodiscard]] double gradient_size() const noexcept;
   [[nodiscard]] Vec4 end_momentum() const noexcept;
   /// |cos| between the final momentum and the free direction of the last node.
   [[nodiscard]] double transversality() const noexcept;
-  /// (max - min) / mean of 1/2 q'Mq' at the nodes.
+  /// (max - min) / mean of 1/2 q'Mq' at the nodes; with a lift, of what is conserved then (G7).
   [[nodiscard]] double speed_variation() const noexcept;
 
   /// Order, energy and nodes; finish_path makes the rest of it.
@@ -64,6 +68,7 @@ class DiscreteGeodesic {
   };
 
   void evaluate(const ArmModel& arm, State& state) noexcept;
+  void add_lift(const ArmModel& arm, State& state) noexcept;
   void prepare_free_end(const ArmModel& arm, State& state) noexcept;
   void project_end(const ArmModel& arm, Posture& end) const noexcept;
   [[nodiscard]] double free_curvature(const State& state) const noexcept;
@@ -79,8 +84,10 @@ class DiscreteGeodesic {
   bool free_end_ = false;
   Vec3 target_ = Vec3::Zero();
   double upper_length_ = 0.0, forearm_length_ = 0.0;
-  bool turning_ = false;  // whether the turning feature has a weight
-  double energy_ = 0.0;
+  bool turning_ = false;                // whether the turning feature has a weight
+  double energy_ = 0.0, raised_ = 0.0;  // raised: lift times the mean height of the masses over that of the first node
+  double lift_ = 0.0;
+  std::array<double, kNodes> height_{};  // of the masses at the nodes over that of the first one, kg.m
 };
 
 }  // namespace glenoid

@@ -87,11 +87,11 @@ struct Newton {
     const double size = d.step_size();
     if (!std::isfinite(size)) return -1.0;
     double scale = std::min(1.0, kStepCap / std::max(size, 1e-300));
-    const double before = d.energy();
+    const double before = d.action();
     const bool settled = positive && size < kQuadraticZone;  // there the energy cannot tell steps from rounding
     while (true) {
       d.move(arm, scale);
-      if (settled || d.energy() <= before + kArmijo * scale * slope) break;
+      if (settled || d.action() <= before + kArmijo * scale * slope) break;
       scale *= 0.5;
       if (scale < kLeastDamping) return -1.0;
     }
@@ -175,6 +175,7 @@ double GeodesicSolver::Workspace::guess_energy(const ArmModel& arm, const Postur
   discrete.set_order(options.first_order);
   slerp_guess(discrete, start, end, options.long_way);
   discrete.set_free_end(nullptr);
+  discrete.set_lift(0.0);
   discrete.evaluate(arm);
   return discrete.energy();
 }
@@ -190,6 +191,7 @@ Status GeodesicSolver::Workspace::run(const ArmModel& arm, const Posture& start,
     slerp_guess(d, start, end, options.long_way);
   }
   d.set_free_end(target);
+  d.set_lift(options.lift_m);
   const bool sketch = options.max_order <= kSketchOrder;
   while (true) {
     Newton newton{d, arm, c, options.quick ? kQuickIterations : kMaxIterations};

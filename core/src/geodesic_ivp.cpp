@@ -62,13 +62,20 @@ double energy_of(const ArmModel& arm, const State& y) noexcept {
   return 0.5 * v.dot(body_mass_matrix(arm, posture_of(y)) * v);
 }
 
+/// What the derivative needs beside the state.
+struct Equation {
+  const ArmModel& arm;
+  double lift_m;
+};
+
 /// Right-hand side; SUNDIALS: 0 = done, > 0 = try a smaller step.
 int derivative(realtype /*lambda*/, N_Vector y_vector, N_Vector dy_vector, void* user) noexcept {
   const Eigen::Map<const State> y(N_VGetArrayPointer(y_vector));
   Eigen::Map<State> dy(N_VGetArrayPointer(dy_vector));
   if (!y.allFinite()) return 1;
   const PostureRates rates = rates_of(y);
-  const PostureRates accelerations = geodesic_acceleration(*static_cast<const ArmModel*>(user), posture_of(y), rates);
+  const Equation& equation = *static_cast<const Equation*>(user);
+  const PostureRates accelerations = geodesic_acceleration(equation.arm, posture_of(y), rates, equation.lift_m);
   const Eigen::Quaterniond q(y.head<4>());
   const Eigen::Quaterniond w(0.0, rates.w_TU_U.x(), rates.w_TU_U.y(), rates.w_TU_U.z());
   dy << 0.5 * (q * w).coeffs(), rates.phi, accelerations.w_TU_U, accelerations.phi;
@@ -78,8 +85,8 @@ int derivative(realtype /*lambda*/, N_Vector y_vector, N_Vector dy_vector, void*
 /// CVODE and everything that it needs, freed in the reverse order.
 class Integrator {
  public:
-  /// Check ready() before use. CVODE reads `start` and `arm` by address: both outlive the integrator.
-  Integrator(const ArmModel& arm, const FollowOptions& options, State& start) {
+  /// Check ready() before use. CVODE reads `start` and `equation` by address: both outlive the integrator.
+  Integrator(Equation& equation, const FollowOptions& options, State& start) {
     SUNContext context = nullptr;
     if (SUNContext_Create(nullptr, &context) != 0) return;
     context_.reset(context);
@@ -91,9 +98,8 @@ class Integrator {
     ready_ = CVodeSetErrFile(cvode, nullptr) == CV_SUCCESS &&
              CVodeInit(cvode, derivative, 0.0, y_.get()) == CV_SUCCESS &&
              CVodeSStolerances(cvode, options.relative_tolerance, options.absolute_tolerance) == CV_SUCCESS &&
-             CVodeSetUserData(cvode, const_cast<ArmModel*>(&arm)) == CV_SUCCESS &&
-             CVodeSetMaxNumSteps(cvode, kMaxSteps) == CV_SUCCESS && CVodeSetStopTime(cvode, 1.0) == CV_SUCCESS &&
-             (options.stiff ? use_newton() : use_fixed_point());
+             CVodeSetUserData(cvode, &equation) == CV_SUCCESS && CVodeSetMaxNumSteps(cvode, kMaxSteps) == CV_SUCCESS &&
+             CVodeSetStopTime(cvode, 1.0) == CV_SUCCESS && (options.stiff ? use_newton() : use_fixed_point());
   }
 
   [[nodiscard]] bool ready() const noexcept { return ready_; }
@@ -140,24 +146,28 @@ bool finite(const Posture& posture, const PostureRates& rates) noexcept {
 Status follow_geodesic(const ArmModel& arm, const Posture& start, const PostureRates& rates,
                        const FollowOptions& options, FollowResult& out) {
   if (!finite(start, rates) || !std::isfinite(options.relative_tolerance) ||
-      !std::isfinite(options.absolute_tolerance)) {
+      !std::isfinite(options.absolute_tolerance) || !std::isfinite(options.lift_m)) {
     return Status::NotFinite;
   }
   if (options.samples < 2 || options.relative_tolerance <= 0.0 || options.absolute_tolerance <= 0.0) {
     return Status::OutOfRange;
   }
   State y = state_of(start, rates);
-  Integrator integrator(arm, options, y);
+  Equation equation{arm, options.lift_m};
+  Integrator integrator(equation, options, y);
   if (!integrator.ready()) return Status::NoConvergence;
 
-  const double energy = energy_of(arm, y);
+  const double energy = energy_of(arm, y), height = mass_height(arm, start);
   FollowResult result;
   result.postures.reserve(static_cast<std::size_t>(options.samples));
   result.postures.push_back(posture_of(y));
   for (int k = 1; k < options.samples; ++k) {
     if (!integrator.advance(static_cast<double>(k) / (options.samples - 1))) return Status::NoConvergence;
     result.postures.push_back(posture_of(y));
-    if (energy > 0.0) result.energy_drift = std::max(result.energy_drift, std::abs(energy_of(arm, y) / energy - 1.0));
+    const double fallen = options.lift_m * (height - mass_height(arm, result.postures.back()));
+    if (energy > 0.0) {
+      result.energy_drift = std::max(result.energy_drift, std::abs((energy_of(arm, y) - fallen) / energy - 1.0));
+    }
   }
   result.end_rates = rates_of(y);
   if (!integrator.count_steps(result.steps)) return Status::NoConvergence;

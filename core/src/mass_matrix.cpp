@@ -126,8 +126,16 @@ Mat4 body_mass_matrix(const ArmModel& arm, const Posture& posture) noexcept {
   return body_dynamics(arm, posture, PostureRates()).M;
 }
 
-PostureRates geodesic_acceleration(const ArmModel& arm, const Posture& posture, const PostureRates& rates) noexcept {
-  const BodyDynamics body = body_dynamics(arm, posture, rates);
+PostureRates geodesic_acceleration(const ArmModel& arm, const Posture& posture, const PostureRates& rates,
+                                   double lift_m) noexcept {
+  BodyDynamics body = body_dynamics(arm, posture, rates);
+  if (lift_m != 0.0) {
+    const std::array<Embedding, 4> J = tangents(posture.R_TU, ForearmAxes(posture.phi), RhythmJet());
+    const MassMoments moments = mass_moments(arm);
+    for (std::size_t i = 0; i < 4; ++i) {
+      body.b[static_cast<Eigen::Index>(i)] -= lift_m * (moments.upper * J[i](2, 3) + moments.forearm * J[i](2, 5));
+    }
+  }
   return rates_of(body.M.llt().solve(-body.b));
 }
 

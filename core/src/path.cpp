@@ -64,6 +64,7 @@ Jet arc(const Jet& y, const Jet& x) {
 void make_constant_path(const Posture& posture, GeodesicPath& out) noexcept {
   out.order = 0;
   out.energy = 0.0;
+  out.lift_m = 0.0;
   out.nodes.fill(posture);
   for (auto& row : out.legendre) row.fill(0.0);
   double f[8];

@@ -44,11 +44,12 @@ double saturating(double x, double scale) { return x * x / (x * x + scale * scal
 
 PosturePrior::PosturePrior(const PosturePriorCoefficients& c, const ArmModel& arm, const Posture& anchor)
     : coefficients_(c) {
-  const std::array<std::pair<const char*, double>, 5> all{{{"height", c.height_rad},
+  const std::array<std::pair<const char*, double>, 6> all{{{"height", c.height_rad},
                                                            {"lateral", c.lateral_rad},
                                                            {"regression", c.regression},
                                                            {"common", c.common_rad},
-                                                           {"effort", c.effort}}};
+                                                           {"effort", c.effort},
+                                                           {"lift", c.lift_per_m}}};
   for (const auto& [name, value] : all) {
     if (!(std::abs(value) <= 10.0)) {
       throw std::invalid_argument("posture_prior." + std::string(name) + " = " + std::to_string(value) +
@@ -60,6 +61,9 @@ PosturePrior::PosturePrior(const PosturePriorCoefficients& c, const ArmModel& ar
   }
   if (c.effort < 0.0) {
     throw std::invalid_argument("posture_prior.effort = " + std::to_string(c.effort) + " 1: must not be negative");
+  }
+  if (c.lift_per_m < 0.0) {
+    throw std::invalid_argument("posture_prior.lift = " + std::to_string(c.lift_per_m) + " 1/m: must not be negative");
   }
   const ArmPoints points = forward_kinematics(arm, anchor);
   wrist_ = points.wrist;
@@ -74,6 +78,11 @@ double PosturePrior::swivel(const Vec3& target) const noexcept {
   const PosturePriorCoefficients& c = coefficients_;
   return own_rad_ + c.height_rad * d.z() + c.lateral_rad * d.x() +
          c.regression * saturating(d.norm(), kFar) * (c.common_rad - own_rad_);
+}
+
+double PosturePrior::lift(const Vec3& from, const Vec3& to) const noexcept {
+  const double level = std::min((to - from).head<2>().norm(), kMostLevel);
+  return coefficients_.lift_per_m * level * level;
 }
 
 double PosturePrior::cost(const ArmModel& arm, const Posture& posture, double swivel_rad) const noexcept {

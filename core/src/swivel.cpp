@@ -116,14 +116,18 @@ Status ReachPlanner::plan_human_prior(const ArmModel& arm, const Posture& start,
   if (prepared != Status::Ok) return prepared;
   Posture end;
   if (!most_likely_posture(arm, target, search.feasible(), prior, end)) return Status::NoConvergence;
-  const Status solved = search.solver.solve_cheapest(arm, start, end, {}, out.path, out.certificate);
+  GeodesicOptions options;
+  options.lift_m = prior.lift(forward_kinematics(arm, start).wrist, target);
+  const Status solved = search.solver.solve_cheapest(arm, start, end, options, out.path, out.certificate);
   if (solved == Status::Ok) describe_reach(arm, target, out);
   return solved;
 }
 
-Status ReachPlanner::plan_between(const ArmModel& arm, const Posture& start, const Posture& end,
-                                  ReachPlan& out) noexcept {
-  const Status status = workspace_->search.solver.solve_cheapest(arm, start, end, {}, out.path, out.certificate);
+Status ReachPlanner::plan_between(const ArmModel& arm, const Posture& start, const Posture& end, ReachPlan& out,
+                                  double lift_m) noexcept {
+  GeodesicOptions options;
+  options.lift_m = lift_m;
+  const Status status = workspace_->search.solver.solve_cheapest(arm, start, end, options, out.path, out.certificate);
   if (status != Status::Ok) return status;
   SelfMotion motion;
   const Vec3 wrist = forward_kinematics(arm, end).wrist;

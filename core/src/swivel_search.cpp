@@ -97,7 +97,11 @@ void find_violation(const JointLimits& limits, const GeodesicPath& path, LimitVi
 /// Variation of the energy of the interpolated path: between nodes it is larger than at them, where derivatives are best.
 double variation_between_nodes(const ArmModel& arm, const GeodesicPath& path) {
   const Lobatto& grid = lobatto(path.order);
-  double most = 0.0;
+  double conserved = path.energy, most = 0.0;
+  for (int k = 0; k <= path.order && path.lift_m != 0.0; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    conserved += grid.weight[i] * path.lift_m * mass_height(arm, path.nodes[i]);
+  }
   for (const int k : {0, 1, path.order / 2, path.order - 1}) {
     const auto i = static_cast<std::size_t>(k);
     const double middle = 0.5 * (grid.node[i] + grid.node[i + 1]);
@@ -107,7 +111,9 @@ double variation_between_nodes(const ArmModel& arm, const GeodesicPath& path) {
     body_rates(jet, rates, accelerations);
     Vec4 v;
     v << rates.w_TU_U, rates.phi;
-    most = std::max(most, std::abs(0.5 * v.dot(body_mass_matrix(arm, path_posture(path, middle)) * v) - path.energy));
+    const Posture posture = path_posture(path, middle);
+    const double raised = path.lift_m != 0.0 ? path.lift_m * mass_height(arm, posture) : 0.0;
+    most = std::max(most, std::abs(0.5 * v.dot(body_mass_matrix(arm, posture) * v) + raised - conserved));
   }
   return path.energy > 0.0 ? 2.0 * most / path.energy : 0.0;
 }

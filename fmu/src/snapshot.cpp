@@ -8,7 +8,7 @@ namespace glenoid::fmu {
 namespace {
 
 constexpr char kMagic[] = "GLENOID";    // 8 bytes with the final zero
-constexpr std::uint64_t kFormat = 1;    // raise when the list of fields below changes
+constexpr std::uint64_t kFormat = 2;    // raise when the list of fields below changes
 constexpr std::size_t kHeader = 4 * 8;  // magic, format, payload length, checksum
 
 /// FNV-1a, 64 bit.
@@ -87,8 +87,8 @@ void visit_all(Visitor& visit, Members&... members) noexcept {
 /// Nodes and coefficients beyond the order are never read, so they are not part of the state.
 template <class Visitor, class Path>
 void visit_path(Visitor& visit, Path& path) noexcept {
-  auto& [order, energy, nodes, legendre] = path;
-  visit_all(visit, order, energy);
+  auto& [order, energy, lift, nodes, legendre] = path;
+  visit_all(visit, order, energy, lift);
   const int last = std::clamp(order, 0, kMaxPathOrder);
   for (std::size_t k = 0; k <= static_cast<std::size_t>(last); ++k) {
     visit_all(visit, nodes[k].R_TU, nodes[k].phi);

@@ -94,6 +94,7 @@ TEST(PosturePrior, RefusesCoefficientsByName) {
   EXPECT_TRUE(contains(refusal([&] { prior_at(arm, kStart, {0, 11, 0, 0}); }), "posture_prior.lateral"));
   EXPECT_TRUE(contains(refusal([&] { prior_at(arm, kStart, {0, 0, 1.5, 0}); }), "posture_prior.regression"));
   EXPECT_TRUE(contains(refusal([&] { prior_at(arm, kStart, {0, 0, 0, 0, -1}); }), "posture_prior.effort"));
+  EXPECT_TRUE(contains(refusal([&] { prior_at(arm, kStart, {0, 0, 0, 0, 0, -1}); }), "posture_prior.lift"));
 }
 
 // --- Planning with it ----------------------------------------------------------------------------------------------

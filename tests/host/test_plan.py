@@ -56,7 +56,9 @@ def test_verification_notices_a_wrong_path(plain_reach, monkeypatch):
     from glenoid import reach as module
 
     real = module._core.follow_geodesic
-    monkeypatch.setattr(module._core, "follow_geodesic", lambda arm, start, rates: real(arm, start, bent(rates)))
+    monkeypatch.setattr(
+        module._core, "follow_geodesic", lambda arm, start, rates, *rest: real(arm, start, bent(rates), *rest)
+    )
     assert not verify(reach).passed
 
 

@@ -21,6 +21,15 @@ struct ArmModel {
   double turning_kg_m2 = 0.0;  ///< weight of turning the upper arm about itself in the metric (M6), >= 0
 };
 
+/// First moments of the masses about the shoulder's centre, kg.m: their height is -upper * z_U.z - forearm * z_F.z (G7).
+struct MassMoments {
+  double upper = 0.0, forearm = 0.0;
+};
+MassMoments mass_moments(const ArmModel& arm) noexcept;
+
+/// Height of the arm's masses over the shoulder's centre, kg.m (G7).
+double mass_height(const ArmModel& arm, const Posture& posture) noexcept;
+
 /// Builds the model of a right arm (a left arm is the mirrored problem; see motion.hpp).
 /// @throws std::invalid_argument naming variable, value, unit and rule.
 ArmModel make_arm_model(const ScaledArm& arm, const Rhythm& rhythm, const JointLimits& limits, bool moving_shoulder);

@@ -21,10 +21,10 @@ struct Certificate {
   double gradient = 0.0;          ///< largest component of the energy gradient at the nodes, kg.m2/rad
   bool hessian_positive = false;  ///< second variation positive definite: a strict local minimum, no conjugate point
   double spectral_tail = 0.0;     ///< size of the last Legendre coefficients: interpolation error estimate
-  double speed_variation = 0.0;   ///< (max - min)/mean of 1/2 q'Mq' along the path; 0 in theory
-  double hand_error_m = 0.0;      ///< distance of the final wrist from the target
-  double transversality = 0.0;    ///< |cos| between the final momentum and the free direction; 0 at an interior minimum
-  bool swivel_at_limit = false;   ///< the minimum lies at a joint limit; then the energy rises into the feasible side
+  double speed_variation = 0.0;  ///< (max - min)/mean of 1/2 q'Mq' (G7: and the lift's part) along the path; 0 in theory
+  double hand_error_m = 0.0;     ///< distance of the final wrist from the target
+  double transversality = 0.0;   ///< |cos| between the final momentum and the free direction; 0 at an interior minimum
+  bool swivel_at_limit = false;     ///< the minimum lies at a joint limit; then the energy rises into the feasible side
   double rotation_angle_rad = 0.0;  ///< angle of R_0^T R_1
   bool long_way = false;            ///< the path turns the other way round than the short rotation (homotopy class)
   int order = 0;                    ///< intervals of the finest grid
@@ -42,6 +42,7 @@ struct GeodesicOptions {
   int max_order = kMaxPathOrder;  ///< the finest grid that may be used; up to kSketchOrder the result is a sketch
   double step_tolerance = 1e-6;  ///< rad; a full Newton step below this ends the iteration, what is left is about its square
   bool long_way = false;         ///< a cold start turns the long way round: the other homotopy class
+  double lift_m = 0.0;           ///< bends the path upward (G7), m; 0 = a geodesic
   bool quick = false;  ///< give up after a dozen steps on one grid, or far from resolved at order 16, without other starts
 };
 

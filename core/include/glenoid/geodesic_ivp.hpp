@@ -10,14 +10,15 @@ namespace glenoid {
 struct FollowOptions {
   double relative_tolerance = 1e-11;
   double absolute_tolerance = 1e-12;
-  bool stiff = false;  ///< BDF instead of Adams
-  int samples = 101;   ///< uniform in lambda over [0, 1], at least 2
+  bool stiff = false;   ///< BDF instead of Adams
+  int samples = 101;    ///< uniform in lambda over [0, 1], at least 2
+  double lift_m = 0.0;  ///< of the path that is followed (G7)
 };
 
 struct FollowResult {
   std::vector<Posture> postures;  ///< at the samples
   PostureRates end_rates;         ///< d/dlambda at lambda = 1
-  double energy_drift = 0.0;      ///< largest |E(lambda)/E(0) - 1| over the samples
+  double energy_drift = 0.0;  ///< largest change since the start of what is conserved, 1/2 q'Mq' and the lift's part, per 1/2 q'Mq'
   long steps = 0;
 };
 

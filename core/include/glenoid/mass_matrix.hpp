@@ -15,6 +15,8 @@ Vec4 coriolis_vector(const ArmModel& arm, const Vec4& q, const Vec4& v) noexcept
 Mat4 body_mass_matrix(const ArmModel& arm, const Posture& posture) noexcept;
 
 /// Acceleration of a geodesic in body rates: solves body_mass_matrix * a = -b(posture, rates); docs/equations.md, M4.
-PostureRates geodesic_acceleration(const ArmModel& arm, const Posture& posture, const PostureRates& rates) noexcept;
+/// @param lift_m  of a path that is bent upward: minus lift_m times the gradient of mass_height on the right (G7)
+PostureRates geodesic_acceleration(const ArmModel& arm, const Posture& posture, const PostureRates& rates,
+                                   double lift_m = 0.0) noexcept;
 
 }  // namespace glenoid

@@ -12,7 +12,8 @@ inline constexpr int kMaxPathOrder = 64;
 struct GeodesicPath {
   static constexpr int kChannels = 7;  ///< x_U (3), z_U (3), phi
   int order = 0;                       ///< number of intervals; order + 1 nodes; 0 = a posture at rest
-  double energy = 0.0;                 ///< 1/2 q'Mq', constant along the path, kg.m2
+  double energy = 0.0;                 ///< 1/2 q'Mq', constant along the path (its mean where there is a lift), kg.m2
+  double lift_m = 0.0;                 ///< what bends the path upward (G7), m; 0 = a geodesic
   std::array<Posture, kMaxPathOrder + 1> nodes;
   /// Legendre coefficients of every channel, in blocks of eight (the last is padding).
   std::array<std::array<double, 8>, kMaxPathOrder + 1> legendre;

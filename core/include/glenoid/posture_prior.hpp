@@ -8,6 +8,9 @@ namespace glenoid {
 /// Length that the wrist's displacement is counted in, m: an arm. The same for every person: tables do not grow with arms.
 inline constexpr double kPriorSpan = 0.54;
 
+/// Level displacements of the wrist count up to here for the lift, m: what was measured goes no farther.
+inline constexpr double kMostLevel = 0.4;
+
 /// Coefficients of the posture prior (docs/equations.md, P1), fitted by `glenoid validate --fit`: replace them to use
 /// recordings of your own.
 struct PosturePriorCoefficients {
@@ -16,6 +19,7 @@ struct PosturePriorCoefficients {
   double regression = 0.259;    ///< share of the person's deviation from the common swivel that a far movement loses
   double common_rad = 0.501;    ///< swivel that people tend to
   double effort = 0.02;  ///< weight of the rotation away from the anchor, squared, against the squared error of the swivel
+  double lift_per_m = 2.0;  ///< lift of the path (P3) per squared level displacement of the wrist
 };
 
 /// The posture that people choose at the end of a reach: a swivel angle that is a small change of their own at the start, and
@@ -37,6 +41,9 @@ class PosturePrior {
   /// How unlikely a final posture is, >= 0 (P2): squared chord between its swivel angle and the given one, plus `effort` times the
   /// squared angle of the upper arm's rotation from the anchor. @param swivel_rad  swivel(target)
   [[nodiscard]] double cost(const ArmModel& arm, const Posture& posture, double swivel_rad) const noexcept;
+
+  /// How much the path between two places of the wrist is bent upward, m (P3): people lift the hand on a level way.
+  [[nodiscard]] double lift(const Vec3& from, const Vec3& to) const noexcept;
 
   [[nodiscard]] const PosturePriorCoefficients& coefficients() const noexcept { return coefficients_; }
 

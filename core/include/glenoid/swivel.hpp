@@ -59,12 +59,13 @@ class ReachPlanner {
   Status plan_prescribed(const ArmModel& arm, const Posture& start, const Vec3& target, double swivel_rad,
                          ReachPlan& out) noexcept;
 
-  /// The posture within the limits that the prior finds least unlikely (docs/equations.md, P1, P2).
+  /// The posture within the limits that the prior finds least unlikely, on a path lifted as it says (docs/equations.md, P1-P3).
   Status plan_human_prior(const ArmModel& arm, const Posture& start, const Vec3& target, const PosturePrior& prior,
                           ReachPlan& out) noexcept;
 
-  /// Given end posture. The wrist target is that of the end posture.
-  Status plan_between(const ArmModel& arm, const Posture& start, const Posture& end, ReachPlan& out) noexcept;
+  /// Given end posture. The wrist target is that of the end posture. @param lift_m  bends the path upward (G7)
+  Status plan_between(const ArmModel& arm, const Posture& start, const Posture& end, ReachPlan& out,
+                      double lift_m = 0.0) noexcept;
 
   /// Family of final postures over the whole self-motion with energies of the paths to them, `count` (2..kMaxFamily) of
   /// them, ordered by swivel angle. @return also OutOfRange for a bad count.

@@ -87,6 +87,7 @@ class PriorInput(Strict):
     regression: Annotated[Real, Field(ge=0.0, le=1.0)]
     common_rad: Real
     effort: Annotated[Real, Field(ge=0.0)] = 0.02
+    lift_per_m: Annotated[Real, Field(ge=0.0)] = 2.0
 
 
 class RhythmInput(Strict):

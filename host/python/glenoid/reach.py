@@ -111,14 +111,16 @@ def distance(first: _core.Posture, second: _core.Posture) -> float:
 
 
 def verify(reach: Reach) -> Verification:
-    """Integrates the geodesic equation with SUNDIALS CVODE from the path's initial rates, and compares.
+    """Integrates the equation of the path, with its lift, by SUNDIALS CVODE from the path's initial rates, and compares.
 
     The rates are those of the same path on a finer grid: a derivative at the end of a polynomial is the least accurate
     thing about it, and what is to be judged is the path.
     """
     arm, path = reach.generator.arm, reach.generator.path
     refined_status, refined = _core.refine_path(arm, path, REFINED_TAIL)
-    status, shot = _core.follow_geodesic(arm, path.posture(0.0), refined.start_rates())
+    options = _core.FollowOptions()
+    options.lift_m = path.lift_m
+    status, shot = _core.follow_geodesic(arm, path.posture(0.0), refined.start_rates(), options)
     if refined_status != _core.Status.Ok or status != _core.Status.Ok:
         return Verification(float("inf"), float("inf"), float("inf"))
     lambdas = np.linspace(0.0, 1.0, len(shot.postures))

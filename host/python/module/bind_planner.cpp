@@ -66,6 +66,7 @@ void bind_path(nb::module_& module) {
   nb::class_<GeodesicPath>(module, "GeodesicPath", "Geodesic over lambda in [0, 1].")
       .def_ro("order", &GeodesicPath::order)
       .def_ro("energy_kg_m2", &GeodesicPath::energy)
+      .def_ro("lift_m", &GeodesicPath::lift_m)
       .def("posture", &path_posture, "lambda_"_a)
       .def("angles", &path_angles, "lambda_"_a, "near_q_rad"_a,
            "q, dq, ddq with respect to lambda, each (n, 4) rad, unwrapped from near_q_rad.",
@@ -145,14 +146,15 @@ Planned plan_human_prior(ReachPlanner& planner, const ArmModel& arm, const Postu
   return out;
 }
 
-Planned plan_between(ReachPlanner& planner, const ArmModel& arm, const Posture& start, const Posture& end) {
+Planned plan_between(ReachPlanner& planner, const ArmModel& arm, const Posture& start, const Posture& end,
+                     double lift_m) {
   Planned out;
-  out.first = planner.plan_between(arm, start, end, out.second);
+  out.first = planner.plan_between(arm, start, end, out.second, lift_m);
   return out;
 }
 
 std::pair<Status, GeodesicPath> refine_path(const ArmModel& arm, const GeodesicPath& path, double tail_tolerance) {
-  const GeodesicOptions options{.tail_tolerance = tail_tolerance};
+  const GeodesicOptions options{.tail_tolerance = tail_tolerance, .lift_m = path.lift_m};
   std::pair<Status, GeodesicPath> out;
   Certificate certificate;
   GeodesicSolver solver;
@@ -182,12 +184,14 @@ void bind_prior(nb::module_& module) {
       .def_rw("lateral_rad", &PosturePriorCoefficients::lateral_rad)
       .def_rw("regression", &PosturePriorCoefficients::regression)
       .def_rw("common_rad", &PosturePriorCoefficients::common_rad)
-      .def_rw("effort", &PosturePriorCoefficients::effort);
+      .def_rw("effort", &PosturePriorCoefficients::effort)
+      .def_rw("lift_per_m", &PosturePriorCoefficients::lift_per_m);
   nb::class_<PosturePrior>(module, "PosturePrior",
                            "Swivel angle that people choose, anchored at a posture of their own.")
       .def(nb::init<const PosturePriorCoefficients&, const ArmModel&, const Posture&>(), "coefficients"_a, "arm"_a,
            "anchor"_a)
       .def("swivel", &PosturePrior::swivel, "target_m"_a, "Expected swivel angle, rad.")
+      .def("lift", &PosturePrior::lift, "from_m"_a, "to_m"_a, "Lift of the path between two places of the wrist, m; P3.")
       .def("cost", &PosturePrior::cost, "arm"_a, "posture"_a, "swivel_rad"_a, "How unlikely a final posture is; P2.");
 }
 
@@ -208,8 +212,9 @@ void bind_reach_planner(nb::module_& module) {
       .def("plan_prescribed", &plan_prescribed, "arm"_a, "start"_a, "target_m"_a, "swivel_rad"_a, Release(),
            "The posture with this swivel angle that is nearest in energy.")
       .def("plan_human_prior", &plan_human_prior, "arm"_a, "start"_a, "target_m"_a, "prior"_a, Release(),
-           "The posture within the limits that the prior finds least unlikely; P1, P2.")
-      .def("plan_between", &plan_between, "arm"_a, "start"_a, "end"_a, Release(), "Given end posture.")
+           "The posture within the limits that the prior finds least unlikely, the path lifted; P1-P3.")
+      .def("plan_between", &plan_between, "arm"_a, "start"_a, "end"_a, "lift_m"_a = 0.0, Release(),
+           "Given end posture; lift_m bends the path upward (G7).")
       .def("sample_family", &sample_family, "arm"_a, "start"_a, "target_m"_a, "count"_a,
            "Family of final postures over the self-motion: swivel_rad, margin_rad, energy_kg_m2, R_TU, phi_rad.",
            nb::sig(
@@ -223,7 +228,8 @@ void bind_follow(nb::module_& module) {
       .def_rw("relative_tolerance", &FollowOptions::relative_tolerance)
       .def_rw("absolute_tolerance", &FollowOptions::absolute_tolerance)
       .def_rw("stiff", &FollowOptions::stiff)
-      .def_rw("samples", &FollowOptions::samples);
+      .def_rw("samples", &FollowOptions::samples)
+      .def_rw("lift_m", &FollowOptions::lift_m);
   nb::class_<FollowResult>(module, "FollowResult")
       .def_ro("postures", &FollowResult::postures)
       .def_ro("end_rates", &FollowResult::end_rates)
