@@ -9,7 +9,7 @@ from glenoid.validate.models import MODELS as MODEL_NAMES
 from glenoid.validate.movements import load_npz, subset_of
 from made_movements import crowd, write_npz
 
-MODELS = "joint-line,fixed-shoulder,paper,prior,glenoid,oracle-end,oracle-geodesic,oracle-joint-line"
+MODELS = "joint-line,fixed-shoulder,paper,axial,lifted,glenoid,oracle-end,oracle-geodesic,oracle-joint-line"
 
 
 @pytest.fixture(scope="module")
@@ -49,12 +49,12 @@ def test_squared_pearson_does_not_discriminate_and_strict_r2_does(result):
 
 #: reached by leave-one-person-out, with room of 0.005 (r2), 0.2 mm and 0.2 deg for another compiler's last bits
 REACHED = {
-    ("joint_pooled", "mean"): 0.878,
-    ("joint_pooled", "median"): 0.908,
-    ("elbow_r2", "mean"): 0.906,
-    ("elbow_r2", "median"): 0.927,
-    ("wrist_r2", "mean"): 0.924,
-    ("wrist_r2", "median"): 0.941,
+    ("joint_pooled", "mean"): 0.881,
+    ("joint_pooled", "median"): 0.912,
+    ("elbow_r2", "mean"): 0.910,
+    ("elbow_r2", "median"): 0.936,
+    ("wrist_r2", "mean"): 0.934,
+    ("wrist_r2", "median"): 0.949,
 }
 
 
@@ -68,6 +68,12 @@ def test_errors_of_shoulder_and_swivel(result):
     assert result["glenoid"]["gh_mm"]["mean"] <= 9.0
     assert result["glenoid"]["swivel_deg"]["rms"] <= 7.5
     assert result["glenoid"]["failed"] == 0
+
+
+def test_lift_brings_hand_and_elbow_nearer(result):
+    """On people whose reaches did not choose anything: of the wrist most, and the joints lose nothing."""
+    for score, gain in (("wrist_r2", 0.008), ("elbow_r2", 0.004), ("joint_pooled", 0.0)):
+        assert result["lifted"][score]["mean"] > result["axial"][score]["mean"] + gain
 
 
 def test_better_than_the_papers_method_in_every_measure(result):

@@ -122,6 +122,49 @@ def test_gaps_are_filled(tmp_path, movement):
     assert np.isfinite(again.wrist_m).all()
 
 
+def blanked(path):
+    """The file with its NaNs as the empty cells that exporters write."""
+    path.write_text(path.read_text().replace("nan", ""))
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".trc"])
+def test_empty_cells_are_gaps(tmp_path, movement, suffix):
+    markers = lab_markers(movement)
+    markers["EL"][60:64] = np.nan
+    WRITERS[suffix](tmp_path / f"reach{suffix}", markers)
+    blanked(tmp_path / f"reach{suffix}")
+    (again,) = load_manifest(manifest(tmp_path, f"reach{suffix}", **({"unit": "m"} if suffix == ".csv" else {})))
+    assert np.isfinite(again.elbow_m).all()
+    assert np.abs(np.diff(again.elbow_m, axis=0)).max() < 0.02
+
+
+def test_long_gaps_are_left_out_and_named(tmp_path, movement, capsys):
+    markers = lab_markers(movement)
+    write_csv(tmp_path / "good.csv", markers)
+    markers["EL"][60:75] = np.nan
+    write_csv(tmp_path / "gap.csv", markers)
+    with pytest.raises(InputError, match=r"no recording is usable.*EL is not seen for 0\.15 s"):
+        load_manifest(manifest(tmp_path, "gap.csv", unit="m"))
+    both = manifest(tmp_path, "gap.csv", unit="m").read_text()
+    (tmp_path / "both.yaml").write_text(both + both.replace("recordings:\n", "").replace("gap.csv", "good.csv"))
+    assert len(load_manifest(tmp_path / "both.yaml")) == 1
+    assert "left out" in capsys.readouterr().err
+
+
+def test_a_gap_before_the_movement_does_not_matter(tmp_path, movement):
+    markers = lab_markers(movement)
+    markers["EL"][:25] = np.nan
+    write_csv(tmp_path / "reach.csv", markers)
+    assert len(load_manifest(manifest(tmp_path, "reach.csv", unit="m"))) == 1
+
+
+def test_millimetres_told_as_metres_are_recognised(tmp_path, movement):
+    write_csv(tmp_path / "reach.csv", {name: 1e3 * x for name, x in lab_markers(movement).items()})
+    with pytest.raises(InputError, match="another unit"):
+        load_manifest(manifest(tmp_path, "reach.csv", unit="m"))
+    assert len(load_manifest(manifest(tmp_path, "reach.csv", unit="mm"))) == 1
+
+
 def test_rotation_onto_turns_one_direction_into_the_other():
     a, b = np.array([0.3, -0.2, 0.9]), np.array([-0.5, 0.1, 0.4])
     R = rotation_onto(a, b)
@@ -143,6 +186,27 @@ def test_bad_recordings_are_named(tmp_path, movement, case):
     write_csv(tmp_path / "reach.csv", lab_markers(movement))
     with pytest.raises(InputError, match=word):
         load_manifest(manifest(tmp_path, file, **more))
+
+
+BROKEN = {
+    "empty.csv": ("", "first line"),
+    "semicolons.csv": ("time_s;A_x;A_y;A_z\n0;1;2;3\n", "commas"),
+    "axis.csv": ("time_s,A_x,A_y\n0,1,2\n", "A_z"),
+    "words.csv": ("time_s,A_x,A_y,A_z\n0,1,2,3\n1,x,2,3\n2,1,2,3\n", "'x'"),
+    "one.csv": ("time_s,A_x,A_y,A_z\n0,1,2,3\n", "1 samples"),
+    "short.trc": ("PathFileType\t4\n", "head"),
+    "unit.trc": ("P\nDataRate\tUnits\n100\tinches\nF\tT\tA\n\n1\t0\t1\t2\t3\n", "inches"),
+    "text.c3d": ("hello", "C3D"),
+}
+
+
+@pytest.mark.parametrize("file", BROKEN)
+def test_files_that_are_none_are_named_with_the_reason(tmp_path, file):
+    text, reason = BROKEN[file]
+    (tmp_path / file).write_text(text)
+    with pytest.raises(InputError, match=reason) as caught:
+        read_markers(tmp_path / file, "m")
+    assert file in str(caught.value)
 
 
 def test_missing_marker_is_named(tmp_path, movement):

@@ -74,7 +74,7 @@ def validate(
         "coefficients": source,
         "movements": len(movements),
         "persons": len(subjects_of(movements)),
-        "parameters": {"fitted": built_in().count, "chosen": 3},
+        "parameters": {"fitted": built_in().count, "chosen": 4},
         "models": summaries(results),
     }
     if report is not None:

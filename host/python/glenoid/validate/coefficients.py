@@ -31,12 +31,15 @@ PRIOR_RIDGE = 0.03
 #: the length that displacements of the wrist are counted in, m, and how many of them make half of the regression; as in the core
 SPAN_M, FAR = 0.54, 0.2
 EVERY = 5
-PRIOR_NAMES = ("height_rad", "lateral_rad", "regression", "common_rad", "effort")
+PRIOR_NAMES = ("height_rad", "lateral_rad", "regression", "common_rad", "effort", "lift_per_m")
 
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Slope of the rhythm, m (3, 3); the persons' shoulder distance, m; the prior's four numbers; the homing tail."""
+    """Slope of the rhythm, m (3, 3); the persons' shoulder distance, m; the prior's four numbers; the homing tail.
+
+    The last two, effort and lift, are chosen, not fitted.
+    """
 
     slope_m: Array
     shoulder_distance_m: float
@@ -46,6 +49,7 @@ class Coefficients:
     common_rad: float
     tail: float
     effort: float = 0.02
+    lift_per_m: float = 2.0
 
     @property
     def count(self) -> int:
@@ -59,11 +63,13 @@ class Coefficients:
         out.shoulder_distance_m = self.shoulder_distance_m
         return out
 
-    def prior(self) -> _core.PosturePriorCoefficients:
-        """The posture prior as the core takes it."""
+    def prior(self, lift: bool = True) -> _core.PosturePriorCoefficients:
+        """The posture prior as the core takes it, with or without its lift."""
         out = _core.PosturePriorCoefficients()
         for name in PRIOR_NAMES:
             setattr(out, name, getattr(self, name))
+        if not lift:
+            out.lift_per_m = 0.0
         return out
 
 
@@ -79,6 +85,7 @@ def built_in() -> Coefficients:
         common_rad=prior.common_rad,
         tail=_core.HOMING_TAIL,
         effort=prior.effort,
+        lift_per_m=prior.lift_per_m,
     )
 
 
@@ -190,7 +197,10 @@ def leave_one_out(movements: Sequence[Movement]) -> dict[str, Coefficients]:
     """For every person the coefficients fitted to all the others. InputError for fewer than two persons."""
     people = subjects_of(movements)
     if len(people) < 2:
-        raise InputError("cross-validation needs movements of at least two persons")
+        raise InputError(
+            "cross-validation needs movements of at least two persons; --coefficients built-in judges one, by coefficients "
+            "that may be fitted to them"
+        )
     return {person: fit([m for m in movements if m.subject != person]) for person in people}
 
 

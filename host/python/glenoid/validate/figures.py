@@ -25,15 +25,23 @@ THETA_BINS_DEG = np.arange(10.0, 140.0, 10.0)
 
 def draw_distributions(results: Mapping[str, Sequence[Scored]], path: Path) -> None:
     """Cumulative distributions of the three strict r2 over the movements."""
-    figure, axes = plt.subplots(1, 3, figsize=(12, 4), sharey=True)
-    for axis, key in zip(axes, ("joint_pooled", "elbow_r2", "wrist_r2"), strict=True):
-        for name, rows in results.items():
+    figure, axes = plt.subplots(1, 3, figsize=(13, 4.5), sharey=True)
+    titles = {"joint_pooled": "joint r2, pooled", "elbow_r2": "elbow r2", "wrist_r2": "wrist r2"}
+    colours = plt.get_cmap("tab20").colors  # type: ignore[attr-defined]
+    for axis, (key, title) in zip(axes, titles.items(), strict=True):
+        for k, (name, rows) in enumerate(results.items()):
             values = np.sort([row.scores[key] for row in rows if not row.failed])
-            axis.plot(values, np.linspace(0.0, 1.0, len(values)), label=name)
+            style: dict[str, Any] = {
+                "ls": "--" if MODELS[name].oracle else "-",
+                "lw": 2.2 if name == "glenoid" else 1.2,
+            }
+            axis.plot(values, np.linspace(0.0, 1.0, len(values)), color=colours[k % len(colours)], label=name, **style)
         axis.set_xlim(0.0, 1.0)
-        axis.set_xlabel(key)
+        axis.set_xlabel(title)
     axes[0].set_ylabel("share of movements below")
-    axes[0].legend(fontsize=7)
+    axes[-1].legend(
+        fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0), title="dashed: told more", title_fontsize=7
+    )
     save(figure, path)
 
 
@@ -66,6 +74,8 @@ def draw_overlays(names: Sequence[str], rows: Sequence[Scored], fitted: Mapping[
                 style: dict[str, Any] = {"color": "black", "lw": 2.0} if name == "measured" else {"lw": 1.2}
                 axis.plot(GRID, np.rad2deg(q[:, k]), label=name, **style)
             axis.set_title(f"{JOINTS[k]} deg, {movement.task} {movement.name}", fontsize=8)
+    for axis in axes[-1]:
+        axis.set_xlabel("share of the time", fontsize=8)
     axes[0][0].legend(fontsize=7)
     save(figure, path)
 
@@ -81,7 +91,7 @@ def draw_rhythms(movements: Sequence[Movement], fitted: Mapping[str, Coefficient
     predictor = Predictor()
     theta = np.concatenate([np.rad2deg(m.q_rad[:, 0]) for m in movements])
     curves = {"measured": np.concatenate([girdle_increments(m.shoulder_m) for m in movements])}
-    for label, name in (("eq. (1)", "paper"), ("Measured", "prior"), ("Fixed", "fixed-shoulder")):
+    for label, name in (("eq. (1)", "paper"), ("rhythm Measured", "prior"), ("fixed shoulder", "fixed-shoulder")):
         parts = []
         for m in movements:
             rhythm = predictor.arm(MODELS[name], m, fitted[m.subject]).rhythm
@@ -94,7 +104,7 @@ def draw_rhythms(movements: Sequence[Movement], fitted: Mapping[str, Coefficient
             known = [b for b in range(1, len(THETA_BINS_DEG)) if (bins == b).sum() > 50]
             axis.plot(THETA_BINS_DEG[known] - 5.0, [values[bins == b, k].mean() for b in known], label=label)
         axis.set_title(f"change of {title} since the start")
-        axis.set_xlabel("theta deg")
+        axis.set_xlabel("elevation theta, deg")
     axes[0].legend(fontsize=8)
     save(figure, path)
 

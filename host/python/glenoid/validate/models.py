@@ -5,7 +5,7 @@ An oracle is told more, as its name says; it bounds what a model without that er
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -118,11 +118,14 @@ class Model:
     swivel: str = "HumanPrior"
     moving: bool = True
     axial_factor: float = 1.0
+    lift: bool = False
     homing: bool = False
     line: str = ""
     oracle: tuple[str, ...] = ()
 
 
+#: what glenoid offers
+HUMAN = Model("the same with the homing time course", axial_factor=HUMAN_AXIAL_FACTOR, lift=True, homing=True)
 MODELS = {
     "joint-line": Model("straight joint line, fixed shoulder, constant swivel", "Fixed", "Constant", line="joint"),
     "hand-line": Model("straight hand line, fixed shoulder, own start swivel kept", "Fixed", "Start", line="hand"),
@@ -131,12 +134,11 @@ MODELS = {
     "rhythm": Model("measured rhythm, least energy", swivel="MinimumEnergy"),
     "prior": Model("measured rhythm and posture prior"),
     "axial": Model("the same, turning dearer: axial factor 3", axial_factor=HUMAN_AXIAL_FACTOR),
-    "glenoid": Model("the same with the homing time course", axial_factor=HUMAN_AXIAL_FACTOR, homing=True),
-    "oracle-end": Model("glenoid, told the end posture", axial_factor=HUMAN_AXIAL_FACTOR, homing=True, oracle=("end",)),
-    "oracle-end-shoulder": Model(
-        "and the shoulder's path", axial_factor=HUMAN_AXIAL_FACTOR, homing=True, oracle=("end", "shoulder")
-    ),
-    "oracle-all": Model("and the hand's progress", axial_factor=HUMAN_AXIAL_FACTOR, oracle=("end", "shoulder", "time")),
+    "lifted": Model("the same, the hand lifted on level ways", axial_factor=HUMAN_AXIAL_FACTOR, lift=True),
+    "glenoid": HUMAN,
+    "oracle-end": replace(HUMAN, about="glenoid, told the end posture", oracle=("end",)),
+    "oracle-end-shoulder": replace(HUMAN, about="and the shoulder's path", oracle=("end", "shoulder")),
+    "oracle-all": replace(HUMAN, about="and the hand's progress", oracle=("end", "shoulder", "time")),
     "oracle-geodesic": Model("fixed-shoulder metric, told end and shoulder", moving=False, oracle=("end", "shoulder")),
     "oracle-geodesic-fixed": Model("fixed shoulder, told the end", "Fixed", moving=False, oracle=("end",)),
     "oracle-joint-line": Model("straight joint line, told end and shoulder", line="joint", oracle=("end", "shoulder")),
@@ -187,12 +189,14 @@ class Predictor:
     ) -> tuple[_core.ReachPlan, float]:
         """The path, and by how much the target had to be pulled in, m."""
         start = _core.posture_from_angles(movement.q_rad[0])
+        prior = _core.PosturePrior(fitted.prior(model.lift), arm, start)
         if "end" in model.oracle:
-            status, plan = self.planner.plan_between(arm, start, _core.posture_from_angles(movement.q_rad[-1]))
+            end = _core.posture_from_angles(movement.q_rad[-1])
+            lift_m = prior.lift(movement.wrist_m[0], movement.wrist_m[-1])
+            status, plan = self.planner.plan_between(arm, start, end, lift_m)
             if status != _core.Status.Ok:
                 raise RuntimeError(f"{movement.name}: {status.name}")
             return plan, 0.0
-        prior = _core.PosturePrior(fitted.prior(), arm, start)
 
         def plan_to(target_m: Array) -> tuple[_core.Status, _core.ReachPlan]:
             if model.swivel == "HumanPrior":

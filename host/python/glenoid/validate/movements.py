@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
@@ -17,6 +18,8 @@ from glenoid.validate.geometry import angles_of_points
 SAMPLES = 101
 #: sternum marker -> sternoclavicular joint, the origin of T, m (DSEM cadaver: 20 mm lateral, 14 mm back)
 STERNUM_TO_JOINT_M = np.array([0.020, -0.015, 0.0])
+#: what a segment's length and the shoulder's distance from the sternum can be, m, and a movement's duration, s
+LENGTHS_M, DURATIONS_S = (0.05, 1.0), (0.05, 60.0)
 POINT_COLUMNS = tuple(f"{point}_{axis}" for point in ("gh", "el", "wr") for axis in "xyz")
 
 
@@ -68,6 +71,10 @@ def make_movement(
     upper, fore = (np.linalg.norm(b - a, axis=1) for a, b in zip(points, points[1:], strict=False))
     if min(upper.min(), fore.min()) <= 0.0:
         raise InputError(f"movement {name}: two joint centres coincide")
+    lengths = {"upper arm": np.median(upper), "forearm": np.median(fore), "shoulder": np.linalg.norm(points[0][0])}
+    for part, length in lengths.items():
+        require_within(name, part, float(length), LENGTHS_M, "m")
+    require_within(name, "duration", duration_s, DURATIONS_S, "s")
     return Movement(
         name=name,
         subject=subject,
@@ -85,6 +92,15 @@ def make_movement(
     )
 
 
+def require_within(movement: str, what: str, value: float, bounds: tuple[float, float], unit: str) -> None:
+    """InputError for a value that no arm has: mostly another unit. The shoulder's is its distance from the sternum."""
+    if not bounds[0] <= value <= bounds[1]:
+        raise InputError(
+            f"movement {movement}: {what} = {value:.4g} {unit}: must be {bounds[0]:g}..{bounds[1]:g} {unit}; "
+            "another unit in the file?"
+        )
+
+
 def load_npz(path: Path) -> list[Movement]:
     """Movements of an archive laid out like the public reaches: data, columns, offsets, meta_*. InputError if it is not."""
     try:
@@ -93,11 +109,12 @@ def load_npz(path: Path) -> list[Movement]:
             meta = {key[5:]: archive[key] for key in archive.files if key.startswith("meta_")}
     except OSError as error:
         raise InputError(f"{path}: {error.strerror or error}") from error
-    except (KeyError, ValueError, EOFError, BadZipFile) as error:
+    except (KeyError, TypeError, ValueError, EOFError, BadZipFile) as error:
         raise InputError(f"{path}: not an archive of reaches: {error}") from error
     missing = {"subject", "arm", "task", "duration_s"} - meta.keys() | set(POINT_COLUMNS) - set(columns)
     if missing:
         raise InputError(f"{path}: lacks {', '.join(sorted(missing))}")
+    require_shapes(path, data, columns, offsets, meta)
     at = [columns.index(name) for name in POINT_COLUMNS]
     out, left_out = [], []
     for i, (begin, end) in enumerate(zip(offsets, offsets[1:], strict=False)):
@@ -114,12 +131,31 @@ def load_npz(path: Path) -> list[Movement]:
     return out
 
 
+def require_shapes(
+    path: Path, data: np.ndarray[Any, Any], columns: list[str], offsets: np.ndarray[Any, Any], meta: dict[str, Any]
+) -> None:
+    """InputError where the arrays of an archive do not fit each other."""
+    if data.ndim != 2 or data.shape[1] != len(columns) or data.dtype.kind not in "fiu":
+        raise InputError(
+            f"{path}: data, {data.dtype} {data.shape}: must be numbers, a row per sample, a column for each of {len(columns)}"
+        )
+    rising = offsets.ndim == 1 and len(offsets) > 1 and offsets.dtype.kind in "iu" and (np.diff(offsets) >= 0).all()
+    if not rising or offsets[0] < 0 or offsets[-1] > len(data):
+        raise InputError(f"{path}: offsets: must be whole numbers, rising from 0 to the rows of data, {len(data)}")
+    for key, column in meta.items():
+        if np.shape(column) != (len(offsets) - 1,):
+            raise InputError(
+                f"{path}: meta_{key} {np.shape(column)}: must have one value for each of {len(offsets) - 1} movements"
+            )
+    if meta["duration_s"].dtype.kind not in "fiu":
+        raise InputError(f"{path}: meta_duration_s, {meta['duration_s'].dtype}: must be numbers")
+
+
 def movement_of(points: Array, values: dict[str, np.generic], index: int) -> Movement:
     """A movement of an archive from its joint centres (n, 3, 3) and its row of the meta data. InputError names it."""
-    duration_s = float(values["duration_s"])
     name = f"{values['subject']}{values['arm']}-{values.get('reach_id', index)}"
-    if len(points) < 2 or not (np.isfinite(duration_s) and duration_s > 0.0):
-        raise InputError(f"movement {name}: {len(points)} samples, duration {duration_s} s: needs 2 and a positive one")
+    if len(points) < 2:
+        raise InputError(f"movement {name}: {len(points)} samples: needs 2")
     made = make_movement(
         points[:, 0],
         points[:, 1],
@@ -130,7 +166,7 @@ def movement_of(points: Array, values: dict[str, np.generic], index: int) -> Mov
         task=str(values["task"]),
         phase=str(values.get("phase", "")),
         clean=bool(values.get("clean", 1)),
-        duration_s=duration_s,
+        duration_s=float(values["duration_s"]),
     )
     return with_lengths(made, values)
 
@@ -141,7 +177,9 @@ def with_lengths(movement: Movement, values: dict[str, np.generic]) -> Movement:
         name: float(values.get(key, np.float64(np.nan)))
         for name, key in (("upper_arm_length_m", "lu_m"), ("forearm_length_m", "lf_m"))
     }
-    lengths = {name: value for name, value in known.items() if np.isfinite(value) and value > 0.0}
+    lengths = {name: value for name, value in known.items() if np.isfinite(value)}
+    for name, value in lengths.items():
+        require_within(movement.name, name, value, LENGTHS_M, "m")
     return Movement(**(vars(movement) | lengths))
 
 

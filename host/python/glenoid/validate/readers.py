@@ -7,6 +7,8 @@ sternoclavicular joint; it follows the sternum and the resting shoulder. A left 
 from __future__ import annotations
 
 import csv
+import struct
+import sys
 from pathlib import Path
 from typing import Any, Literal
 
@@ -20,9 +22,15 @@ from glenoid.validate.movements import STERNUM_TO_JOINT_M, Movement, make_moveme
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 #: a movement lasts while the wrist is faster than this share of its peak speed
 LEAST_SPEED = 0.05
+#: gaps of markers up to this long are bridged by straight lines, s
+MOST_GAP_S = 0.1
 UP_M = 0.10
 #: clean: one speed peak, path at most this many times the distance
 MOST_DETOUR = 1.6
+
+
+class UnusableRecordingError(InputError):
+    """A recording that was read but shows no whole movement: left out of a list, and named."""
 
 
 class Markers(Strict):
@@ -55,12 +63,22 @@ class Manifest(Strict):
 
 
 def load_manifest(path: Path) -> list[Movement]:
-    """The movements of a list of recordings. InputError names file and problem."""
+    """The movements of a list of recordings; unusable ones are left out and named. InputError names file and problem."""
     try:
         manifest = Manifest.model_validate(read_mapping(path))
     except ValidationError as error:
         raise explain(error, str(path)) from error
-    return [read_movement(path.parent / item.file, item, index) for index, item in enumerate(manifest.recordings)]
+    out, left_out = [], []
+    for index, item in enumerate(manifest.recordings):
+        try:
+            out.append(read_movement(path.parent / item.file, item, index))
+        except UnusableRecordingError as error:
+            left_out.append(str(error))
+    if not out:
+        raise InputError(f"{path}: no recording is usable: {left_out[0]}")
+    for reason in left_out:
+        print(f"{path}: left out: {reason}", file=sys.stderr)
+    return out
 
 
 def read_markers(path: Path, unit: str | None = None) -> tuple[float, dict[str, Array]]:
@@ -72,19 +90,24 @@ def read_markers(path: Path, unit: str | None = None) -> tuple[float, dict[str, 
         return readers[path.suffix.lower()](path, unit)
     except OSError as error:
         raise InputError(f"{path}: {error.strerror or error}") from error
-    except (ValueError, KeyError, IndexError, AssertionError) as error:
-        raise InputError(f"{path}: not readable: {error}") from error
+    except (ValueError, KeyError, IndexError, AssertionError, struct.error) as error:
+        raise InputError(f"{path}: not a {path.suffix[1:].upper()} file of markers: {error}") from error
 
 
 def read_csv(path: Path, unit: str | None) -> tuple[float, dict[str, Array]]:
-    """Columns time_s and NAME_x, NAME_y, NAME_z; the unit must be given."""
+    """Columns time_s and NAME_x, NAME_y, NAME_z; the unit must be given. An empty cell is an occluded marker."""
     if unit is None:
         raise InputError(f"{path}: a CSV file needs `unit` (m, cm, mm)")
-    with path.open(encoding="utf-8", newline="") as file:
-        rows = list(csv.reader(file))
-    head, values = [name.strip() for name in rows[0]], np.array(rows[1:], dtype=float)
-    time_s = values[:, head.index("time_s")]
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        rows = [row for row in csv.reader(file) if row]
+    if not rows or "time_s" not in (head := [name.strip() for name in rows[0]]):
+        raise ValueError("the first line must name the columns: time_s, NAME_x, NAME_y, NAME_z with commas between")
     names = [name[:-2] for name in head if name.endswith("_x")]
+    lacking = [f"{name}_{axis}" for name in names for axis in "yz" if f"{name}_{axis}" not in head]
+    if lacking:
+        raise ValueError(f"lacks column {', '.join(lacking)}")
+    values = numbers(rows[1:], len(head))
+    time_s = values[:, head.index("time_s")]
     scale = METRES[unit]
     return rate_of(time_s), {
         name: scale * values[:, [head.index(f"{name}_{axis}") for axis in "xyz"]] for name in names
@@ -93,13 +116,16 @@ def read_csv(path: Path, unit: str | None) -> tuple[float, dict[str, Array]]:
 
 def read_trc(path: Path, unit: str | None = None) -> tuple[float, dict[str, Array]]:
     """The text format of OpenSim and Motion Analysis."""
-    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
+    if len(lines) < 6:
+        raise ValueError("five lines of head and then samples are needed")
     settings = dict(zip(lines[1].split("\t"), lines[2].split("\t"), strict=False))
-    scale = METRES[settings["Units"].strip().lower()]
+    if not {"DataRate", "Units"} <= settings.keys():
+        raise ValueError("lines 2 and 3 must give DataRate and Units, with tabs between")
+    scale = metres(settings["Units"])
     names = [name.strip() for name in lines[3].split("\t")[2::3] if name.strip()]
     rows = [line.split("\t") for line in lines[5:] if line.strip()]
-    width = 2 + 3 * len(names)
-    values = np.array([[float(x) if x.strip() else np.nan for x in (row + [""] * width)[:width]] for row in rows])
+    values = numbers(rows, 2 + 3 * len(names))
     return float(settings["DataRate"]), {name: scale * values[:, 2 + 3 * k : 5 + 3 * k] for k, name in enumerate(names)}
 
 
@@ -110,17 +136,32 @@ def read_c3d(path: Path, unit: str | None = None) -> tuple[float, dict[str, Arra
     with path.open("rb") as file:
         reader = c3d.Reader(file)
         names = [name.strip() for name in reader.point_labels]
-        scale = METRES[str(reader.get("POINT:UNITS").string_value).strip().lower()]
+        told = reader.get("POINT:UNITS")
+        scale = metres(told.string_value if told is not None else unit or "")
         frames = np.array([points[:, :4] for _, points, _ in reader.read_frames()])
         rate = float(reader.point_rate)
     positions = np.where(frames[:, :, 3:4] < 0.0, np.nan, frames[:, :, :3])
     return rate, {name: scale * positions[:, k] for k, name in enumerate(names)}
 
 
+def metres(unit: str) -> float:
+    """Metres of a unit's name. ValueError for one that is none of length."""
+    if unit.strip().lower() not in METRES:
+        raise ValueError(f"unit {unit.strip()!r}: must be one of {', '.join(METRES)}")
+    return METRES[unit.strip().lower()]
+
+
+def numbers(rows: list[list[str]], width: int) -> Array:
+    """A table of numbers, NaN in empty and missing cells. ValueError names a cell that is no number, or too few rows."""
+    if len(rows) < 3:
+        raise ValueError(f"{len(rows)} samples: needs 3")
+    return np.array([[float(x) if x.strip() else np.nan for x in (row + [""] * width)[:width]] for row in rows])
+
+
 def rate_of(time_s: Array) -> float:
     """Samples per second. ValueError if the times do not rise evenly."""
     steps = np.diff(time_s)
-    if len(steps) < 2 or steps.min() <= 0.0 or np.ptp(steps) > 0.1 * steps.mean():
+    if not (steps.min() > 0.0 and np.ptp(steps) <= 0.1 * steps.mean()):
         raise ValueError("time_s must rise evenly")
     return float(1.0 / steps.mean())
 
@@ -129,7 +170,7 @@ def filled(rows: Array, name: str) -> Array:
     """Gaps filled by straight lines. InputError for a marker that is never seen."""
     known = np.isfinite(rows).all(axis=1)
     if known.sum() < 2:
-        raise InputError(f"marker {name} is never seen")
+        raise UnusableRecordingError(f"marker {name} is never seen")
     at = np.arange(len(rows))
     return np.column_stack([np.interp(at, at[known], column[known]) for column in rows.T])
 
@@ -179,6 +220,12 @@ def moving_part(wrist_m: Array, rate_hz: float) -> tuple[int, int, bool]:
     return first, last, bool(way < MOST_DETOUR * max(distance, 1e-9))
 
 
+def longest_gap(rows: Array) -> int:
+    """Samples of the longest run of rows with a NaN."""
+    lengths = np.diff(np.flatnonzero(np.concatenate([[True], np.isfinite(rows).all(axis=1), [True]]))) - 1
+    return int(lengths.max(initial=0))
+
+
 def read_movement(path: Path, item: Recording, index: int) -> Movement:
     """The movement of one recording, in T. InputError names the file."""
     rate_hz, markers = read_markers(path, item.unit)
@@ -186,11 +233,20 @@ def read_movement(path: Path, item: Recording, index: int) -> Movement:
     missing = sorted(set(wanted.values()) - markers.keys())
     if missing:
         raise InputError(f"{path}: no marker {', '.join(missing)}; there are {', '.join(sorted(markers))}")
-    points = {key: filled(markers[name], name) for key, name in wanted.items()}
+    try:
+        points = {key: filled(markers[name], name) for key, name in wanted.items()}
+    except UnusableRecordingError as error:
+        raise UnusableRecordingError(f"{path}: {error}") from error
     body = in_thorax(points, up_axis(item.up), item.arm)
     first, last, straight = moving_part(body["wrist"], rate_hz)
     if last - first < 5:
-        raise InputError(f"{path}: no movement found")
+        raise UnusableRecordingError(f"{path}: no movement found")
+    for name in wanted.values():
+        gap_s = longest_gap(markers[name][first : last + 1]) / rate_hz
+        if gap_s > MOST_GAP_S:
+            raise UnusableRecordingError(
+                f"{path}: marker {name} is not seen for {gap_s:.2f} s of the movement; at most {MOST_GAP_S} s are bridged"
+            )
     cut = {name: rows[first : last + 1] for name, rows in body.items()}
     rise = cut["wrist"][-1, 2] - cut["wrist"][0, 2]
     return make_movement(
