@@ -9,7 +9,6 @@ import typer
 from rich.console import Console
 
 from glenoid.cli import options as opt
-from glenoid.demo import run_demo
 
 
 def demo(
@@ -17,9 +16,11 @@ def demo(
         "build/demo/reach.png"
     ),
 ) -> None:
-    """Plan a measured reach, run it through both FMUs with FMPy, compare and draw.
+    """Plan a measured reach, run it through both FMUs, compare, draw; then rehearse a reach on simulated drives.
 
     Example: glenoid demo --picture reach.png
     """
+    from glenoid.demo import run_demo  # loads matplotlib, which no other command needs at once
+
     if not run_demo(Console(highlight=False), picture):
         raise typer.Exit(1)

@@ -10,9 +10,6 @@ import typer
 from rich.console import Console
 
 from glenoid.cli.options import AsJson
-from glenoid.rehearse.console import print_outcome, rehearse_with_progress
-from glenoid.rehearse.run import rehearse as run_rehearsal
-from glenoid.rehearse.scenario import load_scenario
 
 Folder = Annotated[
     Path | None, typer.Option("--out", help="Folder of report and logs; default build/rehearsals/NAME OF THE FILE.")
@@ -31,6 +28,11 @@ def rehearse(
 
     Example: glenoid rehearse host/rehearsals/reach_high.yaml
     """
+    # matplotlib and python-can come with these; other commands start without them
+    from glenoid.rehearse.console import print_outcome, rehearse_with_progress
+    from glenoid.rehearse.run import rehearse as run_rehearsal
+    from glenoid.rehearse.scenario import load_scenario
+
     checked = load_scenario(scenario)
     folder = out if out is not None else Path("build/rehearsals") / scenario.stem
     if as_json:

@@ -13,7 +13,6 @@ from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
-from scipy.special import ndtr, ndtri
 
 from glenoid.devices import load_device
 from glenoid.exo import core_exo
@@ -86,6 +85,8 @@ class Normal(Range):
 
     def at(self, share: Any) -> Any:
         """See Range."""
+        from scipy.special import ndtr, ndtri  # takes longer to load than most studies need to be read
+
         mean, sd = np.asarray(self.mean), np.asarray(self.sd)
         low, high = ((np.asarray(bound) - mean) / sd for bound in (self.min, self.max))
         value = mean + sd * ndtri(ndtr(low) + share * (ndtr(high) - ndtr(low)))
