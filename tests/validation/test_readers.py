@@ -127,6 +127,16 @@ def blanked(path):
     path.write_text(path.read_text().replace("nan", ""))
 
 
+@pytest.mark.parametrize("suffix", WRITERS)
+def test_a_marker_at_the_origin_is_hidden(tmp_path, movement, suffix):
+    markers = lab_markers(movement)
+    markers["EL"][60:64] = 0.0
+    WRITERS[suffix](tmp_path / f"reach{suffix}", markers)
+    rows = read_markers(tmp_path / f"reach{suffix}", "m")[1]["EL"]
+    assert np.isnan(rows[60:64]).all()
+    assert np.isfinite(np.delete(rows, range(60, 64), axis=0)).all()
+
+
 @pytest.mark.parametrize("suffix", [".csv", ".trc"])
 def test_empty_cells_are_gaps(tmp_path, movement, suffix):
     markers = lab_markers(movement)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import struct
 import sys
+import warnings
 from pathlib import Path
 from typing import Any, Literal
 
@@ -82,16 +83,22 @@ def load_manifest(path: Path) -> list[Movement]:
 
 
 def read_markers(path: Path, unit: str | None = None) -> tuple[float, dict[str, Array]]:
-    """Rate in Hz and positions (n, 3) in m of every marker. InputError if the file cannot be read."""
+    """Rate in Hz and positions (n, 3) in m of every marker, NaN where it is hidden. InputError if the file cannot be read.
+
+    A marker exactly at the lab's origin is a hidden one too: so do several systems write it.
+    """
     readers = {".csv": read_csv, ".trc": read_trc, ".c3d": read_c3d}
     if path.suffix.lower() not in readers:
         raise InputError(f"{path}: must be .csv, .trc or .c3d")
     try:
-        return readers[path.suffix.lower()](path, unit)
+        rate_hz, markers = readers[path.suffix.lower()](path, unit)
     except OSError as error:
         raise InputError(f"{path}: {error.strerror or error}") from error
     except (ValueError, KeyError, IndexError, AssertionError, struct.error) as error:
         raise InputError(f"{path}: not a {path.suffix[1:].upper()} file of markers: {error}") from error
+    for rows in markers.values():
+        rows[(rows == 0.0).all(axis=1)] = np.nan
+    return rate_hz, markers
 
 
 def read_csv(path: Path, unit: str | None) -> tuple[float, dict[str, Array]]:
@@ -138,7 +145,9 @@ def read_c3d(path: Path, unit: str | None = None) -> tuple[float, dict[str, Arra
         names = [name.strip() for name in reader.point_labels]
         told = reader.get("POINT:UNITS")
         scale = metres(told.string_value if told is not None else unit or "")
-        frames = np.array([points[:, :4] for _, points, _ in reader.read_frames()])
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message="No analog data")  # none is needed
+            frames = np.array([points[:, :4] for _, points, _ in reader.read_frames()])
         rate = float(reader.point_rate)
     positions = np.where(frames[:, :, 3:4] < 0.0, np.nan, frames[:, :, :3])
     return rate, {name: scale * positions[:, k] for k, name in enumerate(names)}
