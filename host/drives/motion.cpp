@@ -21,7 +21,8 @@ StopOptions stop_options(const Dictionary& objects) noexcept {
 }
 
 std::int64_t rounded(double value, Type type) noexcept {
-  return std::clamp(static_cast<std::int64_t>(std::llround(value)), lowest(type), highest(type));
+  const auto low = static_cast<double>(lowest(type)), high = static_cast<double>(highest(type));
+  return std::llround(std::clamp(value, low, high));  // first cut: what is beyond 64 bits cannot be rounded
 }
 
 }  // namespace

@@ -9,7 +9,8 @@
 namespace glenoid::drives {
 namespace {
 
-constexpr double kNsPerS = 1e9;
+constexpr double kNsPerS = 1e9, kMost_s = 1e9;
+constexpr double kMostStart_rad = 1000.0;  // well within 32-bit counts
 constexpr std::uint32_t kMostNode = 127;
 
 /// The number that a whole text is.
@@ -24,6 +25,13 @@ double number_in(const std::string& text, const std::string& what) {
   if (used == 0 || used != text.size() || !std::isfinite(value)) {
     throw std::invalid_argument(what + " = " + text + ": not a number");
   }
+  return value;
+}
+
+/// A time, s.
+double seconds_in(const std::string& text, const std::string& what) {
+  const double value = number_in(text, what);
+  if (value < 0.0 || value > kMost_s) throw std::invalid_argument(what + " = " + text + " s: must be 0 to 1e9");
   return value;
 }
 
@@ -77,7 +85,9 @@ std::filesystem::path profile_file(const std::string& name) {
   std::sort(names.begin(), names.end());
   std::string known;
   for (const std::string& one : names) known.append(one).append(", ");
-  throw std::invalid_argument("--profile = " + name + ": must be a file or one of " + known + "in " + shipped.string());
+  const std::string place = known.empty() ? "; there are none in " : "in ";
+  throw std::invalid_argument("--profile = " + name + ": must be a file" + (known.empty() ? "" : " or one of ") +
+                              known + place + shipped.string());
 }
 
 /// "nominal" for all drives, "3=isel_imd20" for one.
@@ -109,8 +119,7 @@ ScheduledFault parse_fault(const std::string& text) {
     if (pair[0] == "node") {
       planned.node = static_cast<std::uint8_t>(count_in(pair[1], what, kMostNode));
     } else if (pair[0] == "at") {
-      planned.at_ns = std::llround(number_in(pair[1], what) * kNsPerS);
-      if (planned.at_ns < 0) throw std::invalid_argument(what + " = " + pair[1] + " s: must not be negative");
+      planned.at_ns = std::llround(seconds_in(pair[1], what) * kNsPerS);
     } else if (pair[0] == "amount") {
       planned.fault.amount = count_in(pair[1], what, 0xFFFFFFFF);
     } else if (pair[0] == "ms") {
@@ -136,7 +145,7 @@ ScheduledFault parse_fault(const std::string& text) {
 
 std::optional<int> parse(int argc, char** argv, Options& options) {
   CLI::App app("Simulated CANopen CiA 402 joint drives. Research software, not a medical device.", "glenoid-drives");
-  std::string nodes = "1-6";
+  std::string nodes = "1-6", duration = "0";
   std::vector<std::string> profiles, faults;
   app.add_option("--bus", options.bus, "socketcan:NAME or udp:GROUP[:PORT]")->capture_default_str();
   app.add_option("--nodes", nodes, "Node ids, as 1-6 or 1,2,5; at most 16")->capture_default_str();
@@ -146,10 +155,9 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                  "node=3,at=2.5,kind=emcy[,amount=N][,ms=N]; at in s after the start; repeatable. "
                  "Kinds: drop delay stall emcy reboot stuck-encoder bus-off jam none");
   app.add_option("--load", options.load, "File of the arm that the drives carry (load.yaml of a rehearsal)");
-  app.add_option("--seed", options.seed, "Of the frames that the fault drop loses")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  app.add_option("--duration-s", options.duration_s, "End after this long, s; 0: at SIGINT or SIGTERM");
+  std::string seed = std::to_string(options.seed);
+  app.add_option("--seed", seed, "Of the frames that the fault drop loses")->capture_default_str();
+  app.add_option("--duration-s", duration, "End after this long, s; 0: at SIGINT or SIGTERM")->capture_default_str();
   app.add_option("--report", options.report, "Write the JSON report there instead of to standard output");
   app.add_option("--eds", options.eds, "Write the electronic data sheet of the first node's profile and end");
   app.add_flag("--realtime", options.realtime, "SCHED_FIFO and locked memory (needs the right to)");
@@ -158,6 +166,8 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  options.seed = count_in(seed, "--seed", 0xFFFFFFFF);
+  options.duration_s = seconds_in(duration, "--duration-s");
   options.nodes = parse_nodes(nodes);
   choose_profiles(profiles, options);
   for (const std::string& text : faults) {
@@ -167,10 +177,8 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
       throw std::invalid_argument("fault " + text + ": node = " + std::to_string(node) + ": must be one of --nodes " +
                                   nodes);
   }
-  if (!(options.duration_s >= 0.0) || options.duration_s > 1e9)
-    throw std::invalid_argument("--duration-s = " + std::to_string(options.duration_s) + " s: must be 0 to 1e9");
   for (const double start : options.start_rad)
-    if (!std::isfinite(start)) throw std::invalid_argument("--start-rad: must be finite");
+    if (!(std::abs(start) <= kMostStart_rad)) throw std::invalid_argument("--start-rad: must be -1000 to 1000 rad");
   if (options.start_rad.empty()) options.start_rad.assign(options.nodes.size(), 0.0);
   if (options.start_rad.size() != options.nodes.size()) {
     throw std::invalid_argument("--start-rad: " + std::to_string(options.start_rad.size()) + " values for " +

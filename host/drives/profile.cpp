@@ -41,7 +41,8 @@ void read_mechanics(const Section& section, Mechanics& mechanics) {
   section.read_not_negative("viscous_friction_Nm_s_per_rad", mechanics.viscous_friction_Nm_s_per_rad);
   section.read_positive("max_speed_rad_per_s", mechanics.max_speed_rad_per_s);
   section.read_positive("no_load_speed_ratio", mechanics.no_load_speed_ratio);
-  if (mechanics.no_load_speed_ratio <= 1.0) section.fail("no_load_speed_ratio: must be above 1");
+  if (mechanics.no_load_speed_ratio <= 1.0)
+    section.fail("no_load_speed_ratio = " + std::to_string(mechanics.no_load_speed_ratio) + ": must be above 1");
   section.read("brake", mechanics.brake);
   section.read_positive("brake_torque_Nm", mechanics.brake_torque_Nm);
   section.read_not_negative("brake_delay_s", mechanics.brake_delay_s);
@@ -86,7 +87,9 @@ Profile read_profile(const Section& file) {
     objects.read(key, value);
     profile.objects.push_back({parse_address(objects, key, 0), value});
   }
-  for (const auto& entry : file.get("absent")) {
+  const YAML::Node absent = file.get("absent");
+  if (absent && !absent.IsSequence()) file.fail("absent: must be a list of objects");
+  for (const auto& entry : absent) {
     profile.absent.push_back(parse_address(file, entry.as<std::string>(), 0xFF));
   }
   return profile;
