@@ -140,14 +140,13 @@ def read_c3d(path: Path, unit: str | None = None) -> tuple[float, dict[str, Arra
     """The binary format of motion capture systems; occluded points are NaN."""
     import c3d  # type: ignore[import-untyped]
 
-    with path.open("rb") as file:
+    with path.open("rb") as file, warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="No analog data")  # none is needed
         reader = c3d.Reader(file)
         names = [name.strip() for name in reader.point_labels]
         told = reader.get("POINT:UNITS")
         scale = metres(told.string_value if told is not None else unit or "")
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", message="No analog data")  # none is needed
-            frames = np.array([points[:, :4] for _, points, _ in reader.read_frames()])
+        frames = np.array([points[:, :4] for _, points, _ in reader.read_frames()])
         rate = float(reader.point_rate)
     positions = np.where(frames[:, :, 3:4] < 0.0, np.nan, frames[:, :, :3])
     return rate, {name: scale * positions[:, k] for k, name in enumerate(names)}
