@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import argparse
 import html
+import math
 import re
 import subprocess
 import xml.etree.ElementTree as ET
 import zipfile
 from pathlib import Path
 
-from description import read_tree, read_variables
+from description import Variable, read_tree, read_variables
 from draw_icon import icon_png
 from generate_fmi2 import convert
 from reference import csv_text, picture_svg, run
@@ -23,15 +24,39 @@ Files = dict[str, bytes]
 FMI2_PLATFORMS = {"x86_64-linux": "linux64", "x86_64-windows": "win64", "x86_64-darwin": "darwin64"}
 
 
+def row_of(*cells: str) -> str:
+    """A row of a table in index.html."""
+    return "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
+
+
+def start_of(variable: Variable, degrees: bool) -> str:
+    """Start value as people read it."""
+    if variable.start is None:
+        return ""
+    if variable.tag == "Boolean":
+        return ("false", "true")[int(variable.start)]
+    shown = degrees and variable.start != 0.0 and abs(variable.start) < 1e9
+    return f"{variable.start:.6g}" + (f" ({math.degrees(variable.start):.3g} deg)" if shown else "")
+
+
 def variable_rows(root: ET.Element) -> str:
-    """Rows of the table in index.html."""
+    """Rows of the table of variables in index.html."""
     rows = []
-    for v in read_variables(root):
-        start = "" if v.start is None else ("false", "true")[int(v.start)] if v.tag == "Boolean" else f"{v.start:.6g}"
+    for element, v in zip(root.iterfind("ModelVariables/*"), read_variables(root), strict=True):
         limits = "" if v.tag == "Boolean" or v.minimum == float("-inf") else f"{v.minimum:.6g} .. {v.maximum:.6g}"
-        cells = (v.name, str(v.reference), v.causality, v.unit, start, limits, v.description)
-        rows.append("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>")
+        kind = element.get("declaredType", v.unit)
+        start = start_of(v, element.get("displayUnit") == "deg")
+        rows.append(row_of(v.name, str(v.reference), v.causality, kind, start, limits, v.description))
     return "\n".join(rows)
+
+
+def enumeration_rows(root: ET.Element) -> str:
+    """Rows of the table of enumerations in index.html."""
+    return "\n".join(
+        row_of(kind.attrib["name"], item.attrib["value"], item.attrib["name"], item.get("description", ""))
+        for kind in root.iter("EnumerationType")
+        for item in kind
+    )
 
 
 def eigen_files(arguments: argparse.Namespace, include: list[str]) -> Files:
@@ -105,6 +130,7 @@ def common_files(arguments: argparse.Namespace, description: ET.Element) -> File
     rows = run(arguments.reference_library, description)
     page = (package / "index.html").read_text(encoding="utf-8")
     page = page.replace("@VERSION@", arguments.version).replace("@VARIABLES@", variable_rows(description))
+    page = page.replace("@ENUMERATIONS@", enumeration_rows(description))
     reference = "extra/org.fmi-standard.fmi-ls-ref"
     files = {
         "documentation/index.html": page.encode(),
