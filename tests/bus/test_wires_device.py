@@ -8,15 +8,14 @@ from pathlib import Path
 import lcm
 import numpy as np
 import pytest
-import yaml
+from glenoid import _core
 from glenoid.cli import main
 from glenoid.cli.plan import plan_with_device
-from glenoid.device_link import differences, fingerprint, require_within
+from glenoid.device_link import configured, differences, fingerprint, heard, require_within
 from glenoid.devices import JOINTS, device_names, load_device, parse_device
 from glenoid.fmus import fmu_path
 from glenoid.inputs import InputError, load_reach
 from glenoid.lcm_types import device_v1_t
-from glenoid.publisher import text_of
 
 sys.path.insert(0, str(Path(__file__).parent))
 from wires_bridge import Bridge, device_message
@@ -86,8 +85,8 @@ def told(**changes):
 
 
 def test_the_same_device_has_no_differences():
-    assert list(differences(told(), device(), "right")) == []
-    assert list(differences(told(device_sha256=[0] * 64), device(), "right")) == []  # a bridge that does not say
+    assert list(differences(heard(told()), device(), "right")) == []
+    assert list(differences(heard(told(device_sha256=[0] * 64)), device(), "right")) == []  # a bridge that does not say
 
 
 def test_every_difference_is_named():
@@ -99,28 +98,31 @@ def test_every_difference_is_named():
         (told(device_sha256=[*b"0" * 64]), r"^device: .*000000000000.*mine.*sha256: [0-9a-f]{64}"),
         (told(upper_rad=[3.0] * 16), r"shoulder_2: .*3 rad.*2.269"),
     ):
-        assert any(re.search(words, line) for line in differences(message, device(), "right")), words
+        assert any(re.search(words, line) for line in differences(heard(message), device(), "right")), words
 
 
 def test_a_motion_beyond_the_bridges_limits_is_refused():
     motion = np.zeros((3, 6))
-    require_within(device_message(limit_rad=1.0), motion + 1.0)
+    require_within(heard(device_message(limit_rad=1.0)), motion + 1.0)
     motion[1, 5] = -1.01
     with pytest.raises(InputError, match=r"elbow: .*-1.01"):
-        require_within(device_message(limit_rad=1.0), motion)
+        require_within(heard(device_message(limit_rad=1.0)), motion)
 
 
-@pytest.mark.parametrize("example", ["six_drives", "six_drives_udp"])
-def test_the_examples_are_for_the_device_that_they_name(example):
+def example(name):
+    """A shipped configuration of a bridge."""
+    return configured(
+        _core.BridgeConfig.parse((ROOT / f"host/bridge/examples/{name}.yaml").read_text(encoding="utf-8"))
+    )
+
+
+@pytest.mark.parametrize("name", ["six_drives", "six_drives_udp"])
+def test_the_examples_are_for_the_device_that_they_name(name):
     """Fingerprint, joints, side and limits of the file are those of the device file."""
-    text = (ROOT / f"host/bridge/examples/{example}.yaml").read_text(encoding="utf-8")
-    config = yaml.safe_load(text)["exoskeletons"][example]
-    message = device_message([joint["name"] for joint in config["joints"]], device=config["device"]["name"])
-    message.device_sha256 = [*config["device"]["sha256"].encode()]
-    for k, joint in enumerate(config["joints"]):
-        message.lower_rad[k], message.upper_rad[k] = joint["limits"]["lower_rad"], joint["limits"]["upper_rad"]
-    assert text_of(message.device) == config["device"]["name"]
-    assert list(differences(message, load_device(config["device"]["name"]), config["side"])) == []
+    driven = example(name)
+    assert driven.device
+    assert driven.device_sha256
+    assert list(differences(driven, load_device(driven.device), driven.side)) == []
 
 
 def test_source_refuses_a_bridge_of_another_device(monkeypatch, capsys):
@@ -147,8 +149,4 @@ def test_the_example_lets_the_reach_of_the_document_pass():
     """docs/bridge.md sends it to these drives: no joint is cut off at a limit."""
     reach = load_reach(ROOT / "host/examples/reach_to_head.yaml")
     planned, _ = plan_with_device(reach, 100.0, "harmony")
-    joints = yaml.safe_load((ROOT / "host/bridge/examples/six_drives.yaml").read_text(encoding="utf-8"))
-    message = device_message()
-    for k, joint in enumerate(joints["exoskeletons"]["six_drives"]["joints"]):
-        message.lower_rad[k], message.upper_rad[k] = joint["limits"]["lower_rad"], joint["limits"]["upper_rad"]
-    require_within(message, planned.samples["exo_q_rad"])
+    require_within(example("six_drives"), planned.samples["exo_q_rad"])

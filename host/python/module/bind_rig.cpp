@@ -92,6 +92,8 @@ void bind_config(nb::module_& module) {
       .def_prop_ro("hash", &bridge::config_hash, "SHA-256 of all that decides how drives are moved.")
       .def_prop_ro("name", [](const bridge::Config& c) { return c.settings.name; })
       .def_ro("side", &bridge::Config::side)
+      .def_ro("device", &bridge::Config::device)
+      .def_ro("device_sha256", &bridge::Config::device_sha256)
       .def_ro("warnings", &bridge::Config::warnings)
       .def_ro("rpdo_phase", &bridge::Config::rpdo_phase)
       .def_prop_ro("period_ns", [](const bridge::Config& c) { return c.settings.period_ns; })

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 import typer
 
 from glenoid.cli.options import quantity
-from glenoid.device_link import require_same, require_within
+from glenoid.device_link import heard, require_same, require_within
 from glenoid.devices import Device
 from glenoid.lcm_types import command_v1_t
 from glenoid.publisher import DEFAULT_URL, BridgeError, Publisher
@@ -47,10 +47,10 @@ def send(
     """
     try:
         limits = prepare(publisher, position_rad.shape[1], force, timeout_s)
-        told = publisher.await_device(timeout_s)
+        driven = heard(publisher.await_device(timeout_s))
         if device is not None:
-            require_same(told, *device)
-        require_within(told, position_rad)
+            require_same(driven, *device)
+        require_within(driven, position_rad)
         if isinstance(motion, Replayed):
             refuse_too_fast(motion, limits)
         publisher.arm(timeout_s)

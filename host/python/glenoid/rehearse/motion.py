@@ -15,6 +15,7 @@ from fmpy.simulation import apply_start_values, instantiate_fmu
 from numpy.typing import NDArray
 
 from glenoid import _core
+from glenoid.device_link import configured, require_same
 from glenoid.devices import Device, load_device
 from glenoid.fmus import fmu_path, sha256
 from glenoid.inputs import InputError
@@ -160,6 +161,7 @@ def run_source(
     """
     fmu = fmu_path("3")
     device = load_device(scenario.data.exoskeleton)
+    require_same(configured(scenario.config), device, scenario.subject.arm)
     step_s = factor * period_s
     source = FmuSource(scenario, device, fmu, step_s)
     rows: list[list[float]] = []
