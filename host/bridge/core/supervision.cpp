@@ -195,8 +195,13 @@ void Bridge::Implementation::supervise_motion(std::size_t j) noexcept {
 void Bridge::Implementation::trip(Fault fault, const Subject& subject, double value, double limit,
                                   const char* what) noexcept {
   const char* joint = subject.joint >= 0 ? settings_.joints[static_cast<std::size_t>(subject.joint)].name.c_str() : "";
-  reporter_.report(Severity::Error, code(fault), subject, value, limit, "%s%s%s (%s: %g, limit %g)", joint,
-                   *joint != '\0' ? ": " : "", words(fault), what, value, limit);
+  const char* const colon = *joint != '\0' ? ": " : "";
+  if (value == 0.0 && limit == 0.0)
+    reporter_.report(Severity::Error, code(fault), subject, value, limit, "%s%s%s (%s)", joint, colon, words(fault),
+                     what);
+  else
+    reporter_.report(Severity::Error, code(fault), subject, value, limit, "%s%s%s (%s: %g, limit %g)", joint, colon,
+                     words(fault), what, value, limit);
   if (fault == Fault::FollowingError && subject.joint >= 0)
     joints_[static_cast<std::size_t>(subject.joint)].blind = true;
   if (stopped()) return;
