@@ -1,5 +1,6 @@
 #include "host/bridge/can/batch.hpp"
 
+#include <linux/filter.h>
 #include <netinet/udp.h>
 
 #include <cerrno>
@@ -102,6 +103,17 @@ void prepare_reception(int descriptor, int buffer_bytes) noexcept {
   }
   set_option(descriptor, SOL_SOCKET, SO_TIMESTAMPNS, 1);
   set_option(descriptor, SOL_SOCKET, SO_RXQ_OVFL, 1);
+}
+
+bool drop_from(int descriptor, std::uint16_t port) noexcept {
+  std::array<sock_filter, 4> program = {{
+      BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 0),  // the source port begins the UDP header
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, port, 0, 1),
+      BPF_STMT(BPF_RET | BPF_K, 0),
+      BPF_STMT(BPF_RET | BPF_K, 0xFFFFFFFF),
+  }};
+  const sock_fprog filter{program.size(), program.data()};
+  return ::setsockopt(descriptor, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) == 0;
 }
 
 std::string failure(std::string_view what, int error, std::string_view hint) {

@@ -83,6 +83,10 @@ bool set_option(int descriptor, int level, int option, int value) noexcept;
 /// Receive buffer (as root beyond the system's limit), stamps and drop counter.
 void prepare_reception(int descriptor, int buffer_bytes) noexcept;
 
+/// The kernel drops UDP datagrams from this port before it queues them, so that nobody has to read and decode his own. False
+/// where it refuses.
+bool drop_from(int descriptor, std::uint16_t port) noexcept;
+
 /// "what: words of errno", with a hint behind it if not empty.
 [[nodiscard]] std::string failure(std::string_view what, int error, std::string_view hint = {});
 

@@ -1,7 +1,6 @@
 #include "host/bridge/can/udp_port.hpp"
 
 #include <arpa/inet.h>
-#include <linux/filter.h>
 #include <netinet/in.h>
 #include <netinet/udp.h>
 #include <sys/socket.h>
@@ -83,18 +82,6 @@ sockaddr_in address_of(const Descriptor& descriptor) {
   return out;
 }
 
-/// The kernel drops datagrams from this port before it queues them, so that nobody has to read and decode his own.
-void drop_from(const Descriptor& descriptor, std::uint16_t port) {
-  std::array<sock_filter, 4> program = {{
-      BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 0),  // the source port begins the UDP header
-      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, port, 0, 1),
-      BPF_STMT(BPF_RET | BPF_K, 0),
-      BPF_STMT(BPF_RET | BPF_K, 0xFFFFFFFF),
-  }};
-  const sock_fprog filter{program.size(), program.data()};
-  require(::setsockopt(descriptor.get(), SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) == 0, "filter");
-}
-
 /// Whether the kernel cuts one call's bytes into datagrams (Linux 4.18): a third of the work of sending each by itself.
 bool can_segment(const Descriptor& descriptor) noexcept {
   int size = 0;
@@ -118,7 +105,7 @@ class UdpPort final : public SocketPort {
         sender_(open_sender(group)),
         own_(address_of(sender_)),
         segments_(can_segment(sender_)) {
-    drop_from(receiver_, ntohs(own_.sin_port));
+    require(drop_from(receiver_.get(), ntohs(own_.sin_port)), "filter");
   }
 
   std::size_t receive(std::span<Received> into) noexcept override {
