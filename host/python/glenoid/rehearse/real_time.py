@@ -23,10 +23,12 @@ from glenoid.rehearse.programs import Programs, programs, realtime_source
 from glenoid.rehearse.record import Record
 from glenoid.rehearse.scenario import FaultInput, Scenario
 from glenoid.rehearse.sdo import SdoMaster
-from glenoid.rehearse.stream import LEAD_S, Stream, make_stream, with_faults
+from glenoid.rehearse.stream import Stream, make_stream, with_faults
 from glenoid.rehearse.virtual import AFTER_STOP_S
 
 ARM_WAIT_S, IDLE_WAIT_S, TAIL_S = 10.0, 3.0, 0.1
+#: the start is held so long, and START asked for so often meanwhile, until a busy machine has taken it
+LEAD_S, ASK_AGAIN_S = 1.5, 0.25
 #: a setpoint that is later than this is left out, not sent in a burst: as many periods
 LATE_PERIODS = 2
 ONLY_VIRTUAL = ("master_heartbeat_lost", "bus_stalled", "link_down")
@@ -128,7 +130,7 @@ def send(
     due = stream.due_ns.tolist()
     messages = encoded(stream, origin_ns, publisher.session)
     sent = [0] * len(due)
-    asked, stopped_ns = False, 0
+    ask_ns, stopped_ns = -0.9e9 * LEAD_S, 0
     end_ns = stream.end_ns if due else 0
     for k, message in enumerate(messages):
         while (left_ns := due[k] + origin_ns - now_ns()) > 0:
@@ -139,9 +141,9 @@ def send(
             sender.publish(SETPOINT, message)
             sent[k] = now_ns()
         publisher.poll()
-        if not asked and due[k] > -0.75e9 * LEAD_S:
+        if publisher.state == "READY" and ask_ns <= due[k] < 0:
             publisher.request(command_v1_t.START)
-            asked = True
+            ask_ns = due[k] + 1e9 * ASK_AGAIN_S
         if publisher.state in ("STOP", "FAULT"):
             stopped_ns = stopped_ns or now_ns()
             if now_ns() - stopped_ns > 1e9 * AFTER_STOP_S:
@@ -205,7 +207,7 @@ def run_real_time(scenario: Scenario, motion: Motion, tell: Callable[[str, float
     config, given = scenario.config, scenario.data.real_time.placed(own_port())
     stages: list[str] = []
     sent: list[int] = []
-    stream = with_faults(make_stream(motion, config.setpoint_period_ns), scenario.data.faults, scenario.joints)
+    stream = with_faults(make_stream(motion, config.setpoint_period_ns, LEAD_S), scenario.data.faults, scenario.joints)
     origin_ns = now_ns()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

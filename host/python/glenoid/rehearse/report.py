@@ -8,7 +8,6 @@ from collections.abc import Iterable
 from typing import Any
 
 from glenoid.rehearse.checks import LEAST, Evidence, Finding
-from glenoid.rehearse.plots import pictures
 
 CSS = """
 :root {
@@ -159,6 +158,8 @@ def injected(e: Evidence) -> str:
 
 def write_report(e: Evidence, findings: list[Finding], facts: dict[str, Any]) -> str:
     """The page. `facts` is what rehearsal.json holds."""
+    from glenoid.rehearse.plots import pictures  # matplotlib takes most of the time of a command that draws nothing
+
     images = "".join(
         f'<h2>{html.escape(title)}</h2><img alt="{html.escape(title)}" src="{url}">' for title, url in pictures(e)
     )

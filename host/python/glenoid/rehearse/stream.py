@@ -49,15 +49,16 @@ class Stream:
         return int(self.due_ns[-1])
 
 
-def make_stream(motion: Motion, period_ns: int) -> Stream:
+def make_stream(motion: Motion, period_ns: int, lead_s: float = LEAD_S) -> Stream:
     """The motion with the start held before it and the end behind it.
 
     Args:
         motion: of the source, a sample every period; velocities are scaled to the bridge's clock.
         period_ns: between two setpoints.
+        lead_s: how long the start is held, s.
 
     """
-    lead, trail = round(LEAD_S * 1e9 / period_ns), round(TRAIL_S * 1e9 / period_ns)
+    lead, trail = round(lead_s * 1e9 / period_ns), round(TRAIL_S * 1e9 / period_ns)
     rows = np.clip(np.arange(-lead, motion.rows + trail), 0, motion.rows - 1)
     stamp = np.arange(-lead, motion.rows + trail, dtype=np.int64) * period_ns
     held = (stamp < 0) | (stamp > (motion.rows - 1) * period_ns)
