@@ -10,6 +10,7 @@ import pytest
 import yaml
 from glenoid import _core
 from glenoid.device_geometry import axes_of, geometry, rotation
+from glenoid.device_link import fingerprint
 from glenoid.devices import FILL, JOINTS, ShoulderInput, load_device, parse_device
 from glenoid.exo import COVERAGE_SAMPLES, core_exo, coverage, random_postures
 from glenoid.inputs import InputError, SubjectInput
@@ -105,6 +106,7 @@ def test_template_is_refused_with_every_missing_key(name, command, run):
 def test_template_shows_no_coverage(name, run):
     data = run("info", "--exo", name, "--json").json
     assert data["coverage"] is None
+    assert data["device_sha256"] is None
     assert data["axes"] is None
     assert "shoulder.axes" in data["missing"]
 
@@ -222,7 +224,10 @@ def test_coverage_shrinks_with_margin_and_ranges(run):
     share = coverage(load_device("armin"), SubjectInput())
     assert share.reached == 1.0
     assert share.within_ranges < share.with_margin < share.reached
-    assert run("info", "--exo", "armin", "--json").json["coverage"]["within_ranges"] == share.within_ranges
+    told = run("info", "--exo", "armin", "--json").json
+    assert told["coverage"]["within_ranges"] == share.within_ranges
+    assert told["device_sha256"] == fingerprint(load_device("armin"))
+    assert told["device_sha256"] in run("info", "--exo", "armin").out
 
 
 def test_ranges_without_end_restrict_nothing():

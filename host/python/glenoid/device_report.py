@@ -13,6 +13,7 @@ from rich.text import Text
 
 from glenoid import _core
 from glenoid.device_geometry import axes_of, geometry
+from glenoid.device_link import fingerprint
 from glenoid.devices import JOINTS, Device
 from glenoid.exo import Coverage, DeviceMotion, coverage
 from glenoid.inputs import InputError, SubjectInput
@@ -46,7 +47,7 @@ def print_scaling(console: Console, subject: SubjectInput) -> None:
 
 
 def device_to_json(device: Device, subject: SubjectInput) -> dict[str, Any]:
-    """A device as plain data; axes and coverage are null for a template."""
+    """A device as plain data; fingerprint, axes and coverage are null for a template."""
     figures = [{"key": f.key, "value": f.value, "status": f.status, "source": f.source} for f in device.figures]
     out: dict[str, Any] = {
         "name": device.data.name,
@@ -55,10 +56,12 @@ def device_to_json(device: Device, subject: SubjectInput) -> dict[str, Any]:
         "note": device.data.note,
         "figures": figures,
         "missing": [figure.key for figure in device.missing],
+        "device_sha256": None,
         "axes": None,
         "coverage": None,
     }
     if not device.missing:
+        out["device_sha256"] = fingerprint(device)
         out["axes"] = axes_of(device.data.shoulder).tolist()
         out["coverage"] = asdict(coverage(device, subject))
     return out
@@ -89,6 +92,7 @@ def print_device(console: Console, device: Device, subject: SubjectInput) -> Non
         )
         return
     print_coverage(console, device, share)
+    console.print(f"fingerprint {fingerprint(device)} (what a bridge is told to drive)", soft_wrap=True)
 
 
 def print_coverage(console: Console, device: Device, share: Coverage) -> None:
