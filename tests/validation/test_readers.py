@@ -5,8 +5,9 @@ import csv
 import numpy as np
 import pytest
 from glenoid.inputs import InputError
+from glenoid.validate.formats import read_markers
 from glenoid.validate.movements import STERNUM_TO_JOINT_M
-from glenoid.validate.readers import load_manifest, read_markers, rotation_onto
+from glenoid.validate.readers import load_manifest, rotation_onto
 from made_movements import synthetic
 
 RATE = 100.0
