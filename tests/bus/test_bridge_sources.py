@@ -1,5 +1,6 @@
 """`glenoid replay` and `glenoid source` move real simulated drives through a real bridge, over UDP."""
 
+import signal
 import subprocess
 import sys
 import time
@@ -19,6 +20,7 @@ from glenoid.streaming import Blend
 ROOT = Path(__file__).resolve().parents[2]
 REACH, DEVICE, REACH_S = ROOT / "host/examples/reach_to_head.yaml", "generic_75_75", 5.0
 PERIOD_MS = 10
+RUN_S = 1.0  # from the first setpoint to the motion's begin: the bridge arms, the drives close the first distance
 JOINTS, COUNTS_PER_RAD = 6, 100 * 16384 / (2 * np.pi)
 
 
@@ -46,17 +48,29 @@ def bridge(tmp_path, bus_address, drives):
     words = [program("glenoid-bridge"), file, "--log", log, "--lcm-url", url]
     process = subprocess.Popen(words, stdout=output, stderr=subprocess.STDOUT)
 
-    def run(*arguments):
-        """Runs a command of glenoid that moves the arm, then ends all: drives' reports, log lines, what was said."""
+    def run(*arguments, asleep_s=None):
+        """Runs a command of glenoid that moves the arm, then ends all: drives' reports, log lines, what was said.
+
+        `asleep_s`: from when to when the command gets no processor, counted from the motion's begin.
+        """
         command = [sys.executable, "-m", "glenoid", *map(str, arguments), "--lcm-url", url]
         command += ["--rate-hz", str(1000 / PERIOD_MS), "--timeout-s", "60"]
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+        source = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        told = ""
+        if asleep_s:
+            while "blend:" not in told and (line := source.stdout.readline()):
+                told += line
+            time.sleep(RUN_S + asleep_s[0])
+            source.send_signal(signal.SIGSTOP)
+            time.sleep(asleep_s[1] - asleep_s[0])
+            source.send_signal(signal.SIGCONT)
+        told += source.communicate(timeout=120)[0]
         time.sleep(0.3)
         process.terminate()
         process.wait(20)
         output.seek(0)
         said = output.read()
-        assert done.returncode == 0, done.stdout + done.stderr + said
+        assert source.returncode == 0, told + said
         return running.stop()["drives"], log.read_text().splitlines(), said
 
     yield run
@@ -85,7 +99,9 @@ def check(drives, log, said, goal):
     assert len(targets) == JOINTS
 
 
-def test_a_recorded_motion_is_replayed_into_drives_that_stand_elsewhere(bridge, tmp_path):
+@pytest.fixture
+def recording(tmp_path):
+    """File of a motion of 1.5 s, and where it ends, rad."""
     begin, goal = np.linspace(0.05, 0.3, JOINTS), np.linspace(0.4, 0.65, JOINTS)
     time_s = np.linspace(0.0, 1.5, 151)
     blend = Blend(begin, goal, 1.5)
@@ -93,7 +109,19 @@ def test_a_recorded_motion_is_replayed_into_drives_that_stand_elsewhere(bridge, 
     names = ["time_s", *[f"q{k}_rad" for k in range(1, 7)], *[f"dq{k}_rad_per_s" for k in range(1, 7)]]
     path = tmp_path / "recorded.csv"
     np.savetxt(path, np.column_stack([time_s, rows]), delimiter=",", header=",".join(names), comments="")
+    return path, goal
+
+
+def test_a_recorded_motion_is_replayed_into_drives_that_stand_elsewhere(bridge, recording):
+    path, goal = recording
     check(*bridge("replay", path), goal)
+
+
+def test_a_source_that_slept_to_its_end_brings_the_drives_there_all_the_same(bridge, recording):
+    path, goal = recording
+    drives, log, said = bridge("replay", path, asleep_s=(0.9, 2.2))
+    assert "RUN -> HOLD" in said
+    check(drives, log, said, goal)
 
 
 def test_the_fmu_moves_the_drives(bridge):

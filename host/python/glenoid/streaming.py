@@ -28,6 +28,8 @@ SETTLE_S, RUN_WAIT_S = 0.1, 3.0
 PEAK_SPEED, PEAK_ACCELERATION = 15.0 / 8.0, 10.0 / math.sqrt(3.0)
 #: at rest: slower than this, rad/s
 STILL_RAD_PER_S = 1e-3
+#: at the end of a motion: every joint as near as this, rad; what a late source left to be done gets so long, s
+ARRIVED_RAD, ARRIVAL_WAIT_S = 5e-3, 3.0
 
 
 class Motion(Protocol):
@@ -166,6 +168,8 @@ def measured(publisher: Publisher, joints: int, timeout_s: float) -> Array:
 def stream(publisher: Publisher, motion: Motion, limits: Limits, rate_hz: float, tell: Callable[[str], None]) -> None:
     """From the measured position to the motion's first, through the motion, and to rest; then disarms.
 
+    The end is held until the joints are measured there; where they do not come, `tell` says how far away they stayed.
+
     Setpoints are stamped on a fixed grid, so that the jitter of this program does not show. Instants that passed while it
     got no processor are left out, not sent late.
 
@@ -181,13 +185,18 @@ def stream(publisher: Publisher, motion: Motion, limits: Limits, rate_hz: float,
     k = wait_for_run(publisher, here, grid)
     begin_s = grid.time_s(k)
     play_s = begin_s + blend.duration_s
-    end_s = play_s + motion.duration_s + REST_S
-    while (time_s := grid.time_s(k)) < end_s:
+    rest_s = play_s + motion.duration_s + REST_S
+    away_rad = math.inf
+    while (time_s := grid.time_s(k)) < rest_s or (away_rad > ARRIVED_RAD and time_s < rest_s + ARRIVAL_WAIT_S):
         position, velocity = blend.at(time_s - begin_s) if time_s < play_s else motion.at(time_s - play_s)
         publisher.publish(grid.stamp_ns(k), position.tolist(), velocity.tolist())
         k = wait_for_next(publisher, grid, k)
         if publisher.session == 0 or publisher.state not in ("RUN", "HOLD"):
             raise BridgeError(publisher.complaint("stopped following"))
+        if publisher.feedback is not None:
+            away_rad = float(np.abs(np.array(publisher.feedback.position_rad[: len(first)]) - position).max())
+    if away_rad > ARRIVED_RAD:
+        tell(f"a joint stayed {away_rad:.3f} rad from the end of the motion")
     publisher.request(command_v1_t.DISARM)
     publisher.await_state("IDLE", 2.0)
 
