@@ -42,6 +42,7 @@ def test_faults_end_in_the_stated_safe_state_in_the_stated_time(done):
     if expect is None:  # no fault, or none that may end the motion
         assert (record.fault, record.state) == (0, "IDLE") or name in MUST_FAIL
         return
+    assert expect.at_rest_within_ms is not None, "a safe state is one at rest, in a stated time"
     truth = record.truth
     since = record.origin_ns + round(1e9 * min(fault.at_s for fault in e.scenario.data.faults))
     assert record.state == expect.state
