@@ -8,15 +8,12 @@ import os
 import socket
 import threading
 
+import attempts
 import pytest
 from glenoid.inputs import InputError
 from glenoid.programs import program
 from glenoid.rehearse.programs import may_be_realtime, realtime_source
 from glenoid.rehearse.run import perform, rehearse
-
-#: a machine may be late: seldom with SCHED_FIFO (a virtual one whose processor is taken away for 10 ms), more often without; then
-#: the run ends by a fault of the stream or a watchdog, not by a wrong motion
-ATTEMPTS = 2 if may_be_realtime() else 3
 
 
 @pytest.fixture(autouse=True)
@@ -32,18 +29,19 @@ def _programs():
             pytest.skip(f"no multicast on this machine: {error}; ip route add 224.0.0.0/4 dev lo")
 
 
+def failed(done):
+    """Checks that did not hold."""
+    return [f"{f.name}: {f.text}" for f in done.findings if f.outcome == "FAIL"]
+
+
 def first_that(scenario, wanted, folder=None):
-    """The first of some runs that is as wanted; the last one otherwise."""
-    for _ in range(ATTEMPTS):
-        done = rehearse(scenario, folder)
-        if wanted(done):
-            break
-    return done
+    """The first of some rehearsals that is as wanted; the last one otherwise."""
+    return attempts.first_that(lambda: rehearse(scenario, folder), wanted, failed)
 
 
 def test_good_rehearsal_passes_with_the_real_programs(scenario_of, tmp_path):
     done = first_that(scenario_of("reach_high_real_time"), lambda done: done.verdict == "PASS", tmp_path)
-    assert done.verdict == "PASS", [f"{f.name}: {f.text}" for f in done.findings if f.outcome == "FAIL"]
+    assert done.verdict == "PASS", failed(done)
     assert (tmp_path / "report.html").is_file()
     assert len(done.facts["drives"]) == 6
     assert done.facts["config_hash"] == scenario_of("reach_high").config.hash
@@ -64,7 +62,7 @@ def test_faults_reach_the_real_programs(scenario_of, kind, state, faults):
         data["checks"] |= dict.fromkeys(("tracking_error", "reaction"), "warn")
 
     done = first_that(scenario_of("reach_high_real_time", change), lambda done: done.verdict == "PASS")
-    assert done.verdict == "PASS", [f"{f.name}: {f.text}" for f in done.findings if f.outcome == "FAIL"]
+    assert done.verdict == "PASS", failed(done)
 
 
 def test_source_gives_its_priority_to_every_thread_and_takes_it_back():

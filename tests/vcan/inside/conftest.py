@@ -193,6 +193,7 @@ def bridge_data(link):
     config = yaml.safe_load((ROOT / "host/bridge/examples/six_drives.yaml").read_text(encoding="utf-8"))
     arm = config["exoskeletons"]["six_drives"]
     arm.update(TIMES)
+    arm.pop("device", None)  # these tests drive another
     arm["joint_defaults"]["limits"]["step_rad"] = 1.0  # setpoints are 0.1 s ahead of the commands, or more
     for joint in arm["joints"][2:5]:
         joint["limits"] = {"lower_rad": -2.8, "upper_rad": 2.8}
