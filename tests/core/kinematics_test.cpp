@@ -352,13 +352,11 @@ TEST(InverseKinematics, NamesUnreachableTargetsWithANegativeMargin) {
 }
 
 TEST(InverseKinematics, NamesTargetsBeyondTheRangeOfSquares) {
-  const ArmModel arm = default_arm();
   for (const double far : {1e5, 1e7, 1e154, 1e300}) {
-    for (const Vec3& wrist : {Vec3(far, far, 0.0), Vec3(0.0, 0.0, -far)}) {
-      IkSolutions solutions;
-      EXPECT_EQ(inverse_kinematics(arm, wrist, 0.3, solutions), Status::TargetUnreachable) << far;
-      EXPECT_NEAR(solutions.reach_margin_m / -wrist.stableNorm(), 1.0, 1e-4) << far;
-    }
+    const Vec3 wrist(far, far, -far);
+    IkSolutions solutions;
+    EXPECT_EQ(inverse_kinematics(default_arm(), wrist, 0.3, solutions), Status::TargetUnreachable) << far;
+    EXPECT_NEAR(solutions.reach_margin_m / -wrist.stableNorm(), 1.0, 1e-4) << far;
   }
 }
 
