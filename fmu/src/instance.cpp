@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 
 #include "bindings.hpp"
 
@@ -17,11 +18,14 @@ double time_tolerance(double a, double b, double step) noexcept {
   return kTimeTolerance * std::max({std::abs(a), std::abs(b), std::abs(step)});
 }
 
-/// "name = value unit"
-Text& operator<<(Text& text, const std::pair<const Variable&, double>& assignment) noexcept {
-  const auto& [variable, value] = assignment;
-  text << variable.name << " = " << value;
-  if (variable.unit[0] != '\0') text << " " << variable.unit;
+/// A unit after a number; nothing for a variable without dimension.
+struct Unit {
+  const Variable& variable;
+};
+
+Text& operator<<(Text& text, const Unit& unit) noexcept {
+  const std::string_view name = unit.variable.unit;
+  if (!name.empty() && name != "1") text << " " << unit.variable.unit;
   return text;
 }
 
@@ -89,10 +93,10 @@ Outcome Instance::check(const char* function, bool (*fits)(Kind), std::uint32_t 
     text << variable.name << ": a fixed parameter can only be set before or in initialization";
     return fail(function, text.c_str());
   }
-  text << std::pair<const Variable&, double>(variable, value) << ": must ";
+  text << variable.name << " = " << value << Unit{variable} << ": must ";
   if (!std::isfinite(value)) return refuse(function, (text << "be finite; nothing was set").c_str());
   if (value < variable.min || value > variable.max) {
-    text << "lie in " << variable.min << " .. " << variable.max << " " << variable.unit << "; nothing was set";
+    text << "lie in " << variable.min << " .. " << variable.max << Unit{variable} << "; nothing was set";
     return refuse(function, text.c_str());
   }
   return Outcome::Ok;

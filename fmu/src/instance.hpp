@@ -22,7 +22,7 @@ namespace glenoid::fmu {
 /// thread-safe in itself; instances share nothing. Functions are called through guard(), which checks the call rules.
 class Instance {
  public:
-  /// Read of variables that the importer names; `values` is filled only for Ok.
+  /// Read of variables that the importer names; `values` counts only if Ok.
   template <class Number>
   Outcome get(const char* function, bool (*fits)(Kind), const std::uint32_t* references, std::size_t count,
               Number* values);

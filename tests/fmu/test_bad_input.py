@@ -1,6 +1,7 @@
 """Bad values: refused with a message that names variable, value, unit and rule; the state is as before."""
 
 import math
+import re
 
 import pytest
 
@@ -33,8 +34,8 @@ def test_a_bad_value_is_refused_when_it_is_set(new, name, value, unit):
     assert disturbed.get(name) == before
     (message,) = disturbed.messages
     assert message.category == "logStatusDiscard"
-    assert f"{name} = " in message.text
-    assert f" {unit}: must " in message.text if unit else ": must " in message.text
+    shown = f" {unit}" if unit else ""
+    assert re.search(rf"{re.escape(name)} = \S+{shown}: must (be finite|lie in \S+ \.\. \S+{shown}); nothing", message.text)
     for instance in (disturbed, plain):
         assert instance.exit() == OK
     assert disturbed.run(0, 0.25, H) == plain.run(0, 0.25, H)
