@@ -35,7 +35,9 @@ def test_a_bad_value_is_refused_when_it_is_set(new, name, value, unit):
     (message,) = disturbed.messages
     assert message.category == "logStatusDiscard"
     shown = f" {unit}" if unit else ""
-    assert re.search(rf"{re.escape(name)} = \S+{shown}: must (be finite|lie in \S+ \.\. \S+{shown}); nothing", message.text)
+    assert re.search(
+        rf"{re.escape(name)} = \S+{shown}: must (be finite|lie in \S+ \.\. \S+{shown}); nothing", message.text
+    )
     for instance in (disturbed, plain):
         assert instance.exit() == OK
     assert disturbed.run(0, 0.25, H) == plain.run(0, 0.25, H)
