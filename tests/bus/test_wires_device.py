@@ -150,3 +150,20 @@ def test_the_example_lets_the_reach_of_the_document_pass():
     reach = load_reach(ROOT / "host/examples/reach_to_head.yaml")
     planned, _ = plan_with_device(reach, 100.0, "harmony")
     require_within(example("six_drives"), planned.samples["exo_q_rad"])
+
+
+def test_a_rehearsal_refuses_a_bridge_of_another_device(tmp_path, monkeypatch, capsys):
+    try:
+        fmu_path("3")
+    except InputError as error:
+        pytest.skip(str(error))
+    text = (ROOT / "host/rehearsals/reach_high.yaml").read_text(encoding="utf-8")
+    assert "generic_75_75" in text
+    text = text.replace("generic_75_75", "harmony")
+    text = text.replace("bridge/", f"{ROOT}/host/rehearsals/bridge/").replace("../", f"{ROOT}/host/")
+    (tmp_path / "other.yaml").write_text(text, encoding="utf-8")
+    monkeypatch.setattr(sys, "argv", ["glenoid", "rehearse", str(tmp_path / "other.yaml"), "--out", str(tmp_path)])
+    with pytest.raises(SystemExit) as end:
+        sys.exit(main())
+    assert end.value.code == 2
+    assert "shoulder_2: the bridge allows" in capsys.readouterr().err
