@@ -58,13 +58,11 @@ class Section {
   }
   void read_positive(const std::string& key, double& value) const {
     read(key, value);
-    if (!std::isfinite(value) || value <= 0.0)
-      fail(key + " = " + std::to_string(value) + ": must be above 0");
+    if (!std::isfinite(value) || value <= 0.0) fail(key + " = " + std::to_string(value) + ": must be above 0");
   }
   void read_not_negative(const std::string& key, double& value) const {
     read(key, value);
-    if (!std::isfinite(value) || value < 0.0)
-      fail(key + " = " + std::to_string(value) + ": must not be negative");
+    if (!std::isfinite(value) || value < 0.0) fail(key + " = " + std::to_string(value) + ": must not be negative");
   }
   [[noreturn]] void fail(const std::string& what) const { throw std::invalid_argument(place_ + ": " + what); }
 
