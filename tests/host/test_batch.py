@@ -13,6 +13,7 @@ from glenoid.inputs import ReachInput
 from glenoid.reach import plan_reach
 from hypothesis import given
 from hypothesis import strategies as st
+from places import EXAMPLE
 
 Q0 = [0.26, -0.52, 0.52, 1.05]
 TARGET = [0.20, 0.36, 0.15]
@@ -37,6 +38,11 @@ def test_answers_have_the_shapes_of_the_contract(run, tmp_path):
         for point in ("shoulder", "elbow", "wrist"):
             assert np.array(answer[point]).shape == (101, 3)
         assert answer["solve_us"] > 0
+
+
+def test_the_shipped_list_is_answered_as_its_names_say(run):
+    done = run("plan", "--batch", EXAMPLE.with_name("batch.json"), "--json")
+    assert {a["id"]: a["status"] for a in done.json} == {"to the head": "ok", "out of reach": "TargetUnreachable"}
 
 
 def test_motion_leads_from_the_start_to_the_target():
