@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol, TypeVar
 from urllib.parse import parse_qs, urlsplit
 
@@ -155,21 +155,20 @@ class Publisher:
 
     def await_status(self, timeout_s: float) -> status_v1_t:
         """The newest status. BridgeError where none comes."""
-        end = time.monotonic() + timeout_s
-        while self.status is None:
-            if time.monotonic() > end:
-                raise BridgeError("no bridge: GLENOID_STATUS is silent")
-            self.poll(0.05)
-        return self.status
+        return self._await(lambda: self.status, timeout_s, "no bridge: GLENOID_STATUS is silent")
 
     def await_device(self, timeout_s: float) -> device_v1_t:
         """What the bridge drives. BridgeError where it does not say."""
+        complaint = "the bridge does not say what it drives: GLENOID_DEVICE is silent"
+        return self._await(lambda: self.device, timeout_s, complaint)
+
+    def _await(self, newest: Callable[[], Kind | None], timeout_s: float, complaint: str) -> Kind:
         end = time.monotonic() + timeout_s
-        while self.device is None:
+        while (message := newest()) is None:
             if time.monotonic() > end:
-                raise BridgeError("the bridge does not say what it drives: GLENOID_DEVICE is silent")
+                raise BridgeError(complaint)
             self.poll(0.05)
-        return self.device
+        return message
 
     def await_state(self, wanted: str, timeout_s: float, ask: int | None = None) -> None:
         """Waits for a state, asking for it by a command every half second. BridgeError with the bridge's words."""

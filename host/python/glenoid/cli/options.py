@@ -53,10 +53,16 @@ def within(least: float, most: float) -> Callable[[typer.CallbackParam, float | 
     return check
 
 
-def quantity(name: str, help_text: str, least: float = -math.inf, most: float = math.inf) -> Any:
+def quantity(
+    name: str,
+    help_text: str,
+    least: float = -math.inf,
+    most: float = math.inf,
+    parser: Callable[[str], float] = number,
+) -> Any:
     """An option that takes a number; where the range is given here, NaN and what lies outside are refused."""
     check = within(least, most) if math.isfinite(most - least) else None
-    return typer.Option(name, parser=number, callback=check, metavar="NUMBER", help=help_text)
+    return typer.Option(name, parser=parser, callback=check, metavar="NUMBER", help=help_text)
 
 
 ReachFile = Annotated[Path | None, typer.Argument(help="Reach as YAML (host/examples); options go over it.")]

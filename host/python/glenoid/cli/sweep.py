@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from glenoid.cli.options import AsJson, whole_number, within
+from glenoid.cli.options import AsJson, quantity, whole_number
 from glenoid.report import Printer
 from glenoid.sweep.report import print_summary, summarise, write_rows
 from glenoid.sweep.run import run_study
@@ -24,12 +24,7 @@ def sweep(
     ] = None,
     jobs: Annotated[
         int | None,
-        typer.Option(
-            parser=whole_number,
-            callback=within(1, 1024),
-            metavar="NUMBER",
-            help="Processes, 1..1024; default one for each processor.",
-        ),
+        quantity("--jobs", "Processes, 1..1024; default one for each processor.", 1, 1024, whole_number),
     ] = None,
     as_json: AsJson = False,
 ) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Iterable
+from itertools import chain, repeat
 from typing import Any
 
 from glenoid.rehearse.checks import LEAST, Evidence, Finding
@@ -50,9 +51,10 @@ def table(head: Iterable[str], rows: Iterable[tuple[str, Iterable[str]]]) -> str
     """A table; each row has a class and its cells as HTML. Heads stand like the cells of the first row."""
     filled = [(kind, list(cells)) for kind, cells in rows]
     first = filled[0][1] if filled else []
-    numeric = [number < len(first) and first[number].startswith("<td class=n") for number in range(99)]
+    numeric = [text.startswith("<td class=n") for text in first]
     header = "".join(
-        f"<th{' class=n' if right else ''}>{html.escape(text)}</th>" for text, right in zip(head, numeric, strict=False)
+        f"<th{' class=n' if right else ''}>{html.escape(text)}</th>"
+        for text, right in zip(head, chain(numeric, repeat(False)), strict=False)
     )
     body = "".join(f'<tr class="{kind}">{"".join(cells)}</tr>' for kind, cells in filled)
     return f'<div class="wide"><table><thead><tr>{header}</tr></thead><tbody>{body}</tbody></table></div>'

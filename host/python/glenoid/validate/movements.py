@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from zipfile import BadZipFile
 
 import numpy as np
@@ -15,6 +15,7 @@ from glenoid.inputs import InputError
 from glenoid.reach import Array
 from glenoid.validate.geometry import angles_of_points
 
+T = TypeVar("T")
 SAMPLES = 101
 #: sternum marker -> sternoclavicular joint, the origin of T, m (DSEM cadaver: 20 mm lateral, 14 mm back)
 STERNUM_TO_JOINT_M = np.array([0.020, -0.015, 0.0])
@@ -101,6 +102,23 @@ def require_within(movement: str, what: str, value: float, bounds: tuple[float, 
         )
 
 
+def read_usable(
+    path: Path, noun: str, items: Iterable[T], read: Callable[[T], Movement], unusable: type[InputError] = InputError
+) -> list[Movement]:
+    """What `read` makes of the items; those it finds unusable are left out and named. InputError where nothing is left."""
+    out, left_out = [], []
+    for item in items:
+        try:
+            out.append(read(item))
+        except unusable as error:
+            left_out.append(str(error))
+    if not out:
+        raise InputError(f"{path}: no {noun} is usable: {left_out[0] if left_out else 'there is none'}")
+    for reason in left_out:
+        print(f"{path}: left out: {reason}", file=sys.stderr)
+    return out
+
+
 def load_npz(path: Path) -> list[Movement]:
     """Movements of an archive laid out like the public reaches: data, columns, offsets, meta_*. InputError if it is not."""
     try:
@@ -116,19 +134,12 @@ def load_npz(path: Path) -> list[Movement]:
         raise InputError(f"{path}: lacks {', '.join(sorted(missing))}")
     require_shapes(path, data, columns, offsets, meta)
     at = [columns.index(name) for name in POINT_COLUMNS]
-    out, left_out = [], []
-    for i, (begin, end) in enumerate(zip(offsets, offsets[1:], strict=False)):
-        points = data[begin:end][:, at].astype(float).reshape(-1, 3, 3) - STERNUM_TO_JOINT_M
-        values = {key: column[i] for key, column in meta.items()}
-        try:
-            out.append(movement_of(points, values, i))
-        except InputError as error:
-            left_out.append(str(error))
-    if not out:
-        raise InputError(f"{path}: no movement is usable: {left_out[0] if left_out else 'there is none'}")
-    for reason in left_out:
-        print(f"{path}: left out: {reason}", file=sys.stderr)
-    return out
+
+    def movement(i: int) -> Movement:
+        points = data[offsets[i] : offsets[i + 1]][:, at].astype(float).reshape(-1, 3, 3) - STERNUM_TO_JOINT_M
+        return movement_of(points, {key: column[i] for key, column in meta.items()}, i)
+
+    return read_usable(path, "movement", range(len(offsets) - 1), movement)
 
 
 def require_shapes(

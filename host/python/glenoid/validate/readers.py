@@ -6,7 +6,6 @@ sternoclavicular joint; it follows the sternum and the resting shoulder. A left 
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any, Literal
 
@@ -16,7 +15,7 @@ from pydantic import Field, ValidationError
 from glenoid.inputs import InputError, Strict, explain, read_mapping
 from glenoid.reach import Array
 from glenoid.validate.formats import read_markers
-from glenoid.validate.movements import STERNUM_TO_JOINT_M, Movement, make_movement
+from glenoid.validate.movements import STERNUM_TO_JOINT_M, Movement, make_movement, read_usable
 
 #: a movement lasts while the wrist is faster than this share of its peak speed
 LEAST_SPEED = 0.05
@@ -66,17 +65,12 @@ def load_manifest(path: Path) -> list[Movement]:
         manifest = Manifest.model_validate(read_mapping(path))
     except ValidationError as error:
         raise explain(error, str(path)) from error
-    out, left_out = [], []
-    for index, item in enumerate(manifest.recordings):
-        try:
-            out.append(read_movement(path.parent / item.file, item, index))
-        except UnusableRecordingError as error:
-            left_out.append(str(error))
-    if not out:
-        raise InputError(f"{path}: no recording is usable: {left_out[0]}")
-    for reason in left_out:
-        print(f"{path}: left out: {reason}", file=sys.stderr)
-    return out
+
+    def movement(numbered: tuple[int, Recording]) -> Movement:
+        index, item = numbered
+        return read_movement(path.parent / item.file, item, index)
+
+    return read_usable(path, "recording", enumerate(manifest.recordings), movement, UnusableRecordingError)
 
 
 def filled(rows: Array, name: str) -> Array:
