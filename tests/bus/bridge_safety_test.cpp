@@ -40,6 +40,14 @@ double count_rad(const Rig& rig, std::size_t joint) {
   return std::abs(scale.position_rad(1) - scale.position_rad(0));
 }
 
+/// No drive was told more at once than its speed limit allows in a period; a count of rounding.
+void expect_steps_within_limits(const Rig& rig) {
+  const double period_s = 1e-9 * static_cast<double>(rig.settings.period_ns);
+  for (std::size_t j = 0; j < rig.settings.joints.size(); ++j)
+    ASSERT_LE(largest_step_on_the_wire(rig, j),
+              rig.settings.joints[j].velocity_rad_per_s * period_s + 1.01 * count_rad(rig, j));
+}
+
 enum class Trouble { Stalled, Refused };
 
 /// A bus that carries nothing for some cycles, again and again, but never long enough for a fault.
@@ -56,10 +64,7 @@ TEST_P(Hiccups, NeverLetAJointJumpFurtherThanItsLimit) {
     rig.cycle();
     ASSERT_EQ(rig.bridge.state(), State::Run) << rig.told();
   }
-  const double period_s = 1e-9 * static_cast<double>(settings.period_ns);
-  for (std::size_t j = 0; j < settings.joints.size(); ++j)
-    EXPECT_LE(largest_step_on_the_wire(rig, j),
-              settings.joints[j].velocity_rad_per_s * period_s + 1.01 * count_rad(rig, j));
+  expect_steps_within_limits(rig);
 }
 
 INSTANTIATE_TEST_SUITE_P(Buses, Hiccups, ::testing::Values(Trouble::Stalled, Trouble::Refused),
@@ -229,10 +234,7 @@ TEST_P(HostileSource, NeverMovesAJointFasterThanItsLimits) {
       ASSERT_TRUE(std::isfinite(rig.bridge.command_rad()[0]));
     }
     EXPECT_NE(rig.bridge.fault(), Fault::CountOverflow) << rig.told();
-    const double period_s = 1e-9 * static_cast<double>(settings.period_ns);
-    for (std::size_t j = 0; j < settings.joints.size(); ++j)
-      ASSERT_LE(largest_step_on_the_wire(rig, j),
-                settings.joints[j].velocity_rad_per_s * period_s + 1.01 * count_rad(rig, j));
+    ASSERT_NO_FATAL_FAILURE(expect_steps_within_limits(rig));
   }
 }
 

@@ -8,7 +8,10 @@ import sys
 from pathlib import Path
 
 import can
+import lcm
 import pytest
+from glenoid.fmus import fmu_path
+from glenoid.inputs import InputError
 from glenoid.programs import program
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -43,6 +46,26 @@ class Drives:
 def bus_address():
     """Group and port that no other test run on this machine uses."""
     return "239.74.163.2", FIRST_PORT + os.getpid() % 5000
+
+
+@pytest.fixture
+def url():
+    """Of LCM, with a multicast port that no other test run on this machine uses."""
+    address = f"udpm://239.255.76.67:{20000 + os.getpid() % 20000}?ttl=0"
+    try:
+        lcm.LCM(address)
+    except RuntimeError:
+        pytest.skip("no multicast route")
+    return address
+
+
+@pytest.fixture(scope="session")
+def fmu():
+    """The FMU for FMI 3.0."""
+    try:
+        return fmu_path("3")
+    except InputError as error:
+        pytest.skip(str(error))
 
 
 @pytest.fixture

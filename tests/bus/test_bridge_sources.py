@@ -11,8 +11,7 @@ import pytest
 import yaml
 from glenoid.device_link import fingerprint
 from glenoid.devices import load_device
-from glenoid.fmus import fmu_path
-from glenoid.inputs import InputError, load_reach
+from glenoid.inputs import load_reach
 from glenoid.programs import program
 from glenoid.source import FmuMotion
 from glenoid.streaming import Blend
@@ -124,11 +123,7 @@ def test_a_source_that_slept_to_its_end_brings_the_drives_there_all_the_same(bri
     check(drives, log, said, goal)
 
 
-def test_the_fmu_moves_the_drives(bridge):
-    try:
-        fmu = fmu_path("3")
-    except InputError as error:
-        pytest.skip(str(error))
+def test_the_fmu_moves_the_drives(bridge, fmu):
     reach = load_reach(REACH).model_copy(update={"duration_s": REACH_S})
     motion = FmuMotion(reach, load_device(DEVICE), fmu, PERIOD_MS / 1000)
     goal, _ = motion.at(motion.duration_s)

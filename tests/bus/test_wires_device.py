@@ -1,11 +1,9 @@
 """A motion made for one device is not sent to a bridge that drives another."""
 
-import os
 import re
 import sys
 from pathlib import Path
 
-import lcm
 import numpy as np
 import pytest
 from glenoid import _core
@@ -13,7 +11,6 @@ from glenoid.cli import main
 from glenoid.cli.plan import plan_with_device
 from glenoid.device_link import configured, differences, fingerprint, heard, require_within
 from glenoid.devices import JOINTS, device_names, load_device, parse_device
-from glenoid.fmus import fmu_path
 from glenoid.inputs import InputError, load_reach
 from glenoid.lcm_types import device_v1_t
 
@@ -125,16 +122,8 @@ def test_the_examples_are_for_the_device_that_they_name(name):
     assert list(differences(driven, load_device(driven.device), driven.side)) == []
 
 
-def test_source_refuses_a_bridge_of_another_device(monkeypatch, capsys):
-    try:
-        fmu_path("3")
-    except InputError as error:
-        pytest.skip(str(error))
-    url = f"udpm://239.255.76.67:{20000 + os.getpid() % 20000}?ttl=0"
-    try:
-        lcm.LCM(url)
-    except RuntimeError:
-        pytest.skip("no multicast route")
+@pytest.mark.usefixtures("fmu")
+def test_source_refuses_a_bridge_of_another_device(url, monkeypatch, capsys):
     arguments = ["glenoid", "source", "--start-q-deg", "15,-30,30,60", "--target-m", "0.20,0.42,0.25", "--exo", DEVICE]
     monkeypatch.setattr(sys, "argv", [*arguments, "--lcm-url", url])
     other = device_message(device="other", device_sha256="0" * 64)
@@ -152,11 +141,8 @@ def test_the_example_lets_the_reach_of_the_document_pass():
     require_within(example("six_drives"), planned.samples["exo_q_rad"])
 
 
+@pytest.mark.usefixtures("fmu")
 def test_a_rehearsal_refuses_a_bridge_of_another_device(tmp_path, monkeypatch, capsys):
-    try:
-        fmu_path("3")
-    except InputError as error:
-        pytest.skip(str(error))
     text = (ROOT / "host/rehearsals/reach_high.yaml").read_text(encoding="utf-8")
     assert "generic_75_75" in text
     text = text.replace("generic_75_75", "harmony")

@@ -1,7 +1,6 @@
 """Messages between two versions of LCM, and their fingerprints."""
 
 import json
-import os
 import subprocess
 import time
 
@@ -14,17 +13,6 @@ from glenoid.programs import program
 from glenoid.publisher import COMMAND, SETPOINT, STATUS, decoded
 
 PATIENCE_S = 20.0
-
-
-@pytest.fixture
-def url():
-    """A multicast port that no other test run on this machine uses."""
-    address = f"udpm://239.255.76.67:{20000 + os.getpid() % 20000}?ttl=0"
-    try:
-        lcm.LCM(address)
-    except RuntimeError:
-        pytest.skip("no multicast route")
-    return address
 
 
 @pytest.fixture

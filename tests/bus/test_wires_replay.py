@@ -1,7 +1,6 @@
 """`glenoid replay`: recordings of every kind, and what a bridge gets to see of them."""
 
 import json
-import os
 import sys
 from pathlib import Path
 
@@ -30,17 +29,6 @@ def samples(rate_hz=100.0):
     blend = Blend(REST, REST + 0.3, DURATION_S)
     rows = [blend.at(t) for t in time]
     return time, np.array([q for q, _ in rows]), np.array([v for _, v in rows])
-
-
-@pytest.fixture
-def url():
-    """A multicast port that no other test run on this machine uses."""
-    address = f"udpm://239.255.76.67:{20000 + os.getpid() % 20000}?ttl=0"
-    try:
-        lcm.LCM(address)
-    except RuntimeError:
-        pytest.skip("no multicast route")
-    return address
 
 
 @pytest.fixture
